@@ -60,6 +60,12 @@ def rewound(page: Any) -> None:
     page.evaluate("mjcompose.server.back(mjcompose.server.data.time - 2)")
 
 
+def named(page: Any) -> None:
+    page.get_by_role("tab", name="Show").click()
+    page.get_by_label("names of joints").check()
+    page.get_by_label("names of sites").check()
+
+
 def main() -> None:
     wanted = sys.argv[1:]
     with tempfile.TemporaryDirectory() as home, started() as browser:
@@ -93,6 +99,7 @@ def main() -> None:
         demo = made("view", "recipes/demo.yaml")
         take("view", demo, selected)
         take("view_keyframe", demo, posed)
+        take("view_names", demo, named)
         physics = made("view", "recipes/demo.yaml", "--physics")
         take("view_sensors", physics, plotted)
         take("view_time", physics, rewound)

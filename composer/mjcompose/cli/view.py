@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from mjcompose.base import report
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.naming import file_name
 from mjcompose.base.report import printable
@@ -18,14 +19,15 @@ from mjcompose.bundle.staging import check_own_place
 from mjcompose.cli import completion
 from mjcompose.cli.cells import JOBS, CellOptions, CellsOptions, check_several
 from mjcompose.cli.options import Amount, Choices, FetchOptions, ReportOptions, TimeOptions, output
-from mjcompose.cli.reporting import FINDINGS, USAGE, progress, say, words_of
+from mjcompose.cli.reporting import FINDINGS, USAGE, progress, say, source_reader, words_of
 from mjcompose.cli.run import Answer, Group, Run, Stop, argument, command, flag, group, option
 
 if TYPE_CHECKING:
     from mjcompose.mujoco.engine import Session
     from mjcompose.sides.operand import Operand
+    from mjcompose.sources.context import Context
     from mjcompose.text.node import Node
-    from mjcompose.tools.view.builder import Shown, Workshop
+    from mjcompose.tools.view.builder import PageFault, Shown, Workshop
     from mjcompose.tools.view.live import Service
     from mjcompose.tools.view.render import RenderRequest
 
@@ -110,6 +112,7 @@ def view(options: ViewOptions, run: Run) -> Answer | int:
                 words=words_of,
                 key=options.key,
                 editor=options.editor or os.environ.get("MJCOMPOSE_EDITOR") or EDITOR,
+                faults=faults_of,
             )
             return _live(
                 workshop, Service(options.host, options.port, not options.no_open, writes=not options.read_only), run
@@ -121,6 +124,34 @@ def view(options: ViewOptions, run: Run) -> Answer | int:
     if words is None:
         raise Stop(FINDINGS)
     return Answer(words, is_outcome=True)
+
+
+def faults_of(context: Context) -> Iterator[PageFault]:
+    """Yield each diagnostic for the page, with its place, and the text of the file after its fix."""
+    from mjcompose.tools.fix import applied, edit_of, place_of
+    from mjcompose.tools.view.builder import PageFault
+
+    read = source_reader(context.folder)
+    for each in context.sink.sorted():
+        shown = report.render(each, read)
+        at = each.span
+        if at is None:
+            yield PageFault(shown)
+            continue
+        source = read(at.file) or ""
+        place = place_of(each)
+        edit = edit_of(each, source) if place is not None and place.file == at.file else None
+        yield PageFault(
+            shown,
+            place=str(at),
+            file=at.file,
+            path=Path(os.path.abspath(context.folder / at.file)),
+            line=at.line,
+            column=at.column,
+            source=source,
+            fixed=None if edit is None else applied(source, [edit]),
+            words="" if edit is None else f"write {edit.text.strip()}",
+        )
 
 
 def _live(workshop: Workshop, service: Service, run: Run) -> int:

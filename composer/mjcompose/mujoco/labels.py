@@ -1,4 +1,4 @@
-"""Names in a picture: where each one stands, so that no name covers another one. The page of `view` does the same."""
+"""Names in a picture, pushed apart: no name covers another one. The page of `view` does the same."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _GAP = 2.0
 def pushed_apart(points: Sequence[tuple[float, float]], sizes: Sequence[tuple[float, float]], room: Box) -> list[Box]:
     """Return a box for each point with the size of its name: near the point, in the room, and apart from all others.
 
-    If the room is too small for all names, the last ones stand where they cover the least.
+    If the room is too small for all names, the last ones cover as little as possible.
     """
     placed: list[Box] = []
     for point, size in zip(points, sizes, strict=True):
@@ -36,7 +36,7 @@ def pushed_apart(points: Sequence[tuple[float, float]], sizes: Sequence[tuple[fl
 
 
 def _places(point: tuple[float, float], size: tuple[float, float], room: Box) -> Iterator[Box]:
-    """Yield the boxes around a point, the nearest first: above, beside and below it, on larger and larger rings."""
+    """Yield the boxes around a point, the nearest first, on larger and larger rings."""
     width, height = size
     for ring in range(_RINGS):
         for way in range(_WAYS):

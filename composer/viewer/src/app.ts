@@ -1,5 +1,5 @@
 // The page around the canvas, and how its parts work together.
-import { Banner } from "./banner";
+import { Banner, type FaultRow } from "./banner";
 import type { Element, Model, Scene, Seen } from "./data";
 import { h, toast } from "./dom";
 import { Frame, type Tab, tool } from "./frame";
@@ -7,6 +7,7 @@ import type { Gizmo } from "./gizmo";
 import { Contrast, Info, typeOf } from "./info";
 import { help, listen } from "./keyboard";
 import { WIDTHS } from "./kinematics";
+import { Labels } from "./labels";
 import { Meters } from "./meters";
 import type { Player, Shot } from "./player";
 import { Puller, Ruler } from "./pointer";
@@ -23,7 +24,7 @@ import { World } from "./world";
 const SELECTED = 0x3b82f6;
 const POINTED = 0xffb020;
 
-/** What the page knows of the model that it shows. */
+/** The models of the page, and its views of the current one. */
 interface Shown {
   models: Model[];
   contrast: Contrast | null;
@@ -86,6 +87,7 @@ export class App {
       this.banner.lost,
     );
     this.stage = new Stage(canvas);
+    this.visible.labels = new Labels(this.stage);
     const compass = new Compass(this.stage);
     this.ruler = new Ruler(this.stage, toast, () => rulerButton.classList.toggle("on", this.ruler.isOn));
     this.puller = new Puller(
@@ -96,7 +98,7 @@ export class App {
     );
     view.append(compass.root, this.ruler.label);
     this.stage.beforeFrame = () => {
-      for (const drawing of [this.visible.extras, compass, this.ruler, this.puller]) {
+      for (const drawing of [this.visible.extras, compass, this.ruler, this.puller, this.visible.labels]) {
         drawing?.update();
       }
     };
@@ -397,7 +399,7 @@ export class App {
     this.stage.draw();
   }
 
-  /** Leave what is on top: the ruler, then a message, then the selection. */
+  /** Leave the ruler, or else hide a message, or else select nothing. */
   leave(): void {
     if (this.ruler.isOn) {
       this.ruler.flip(false);
@@ -497,8 +499,9 @@ export class App {
   }
 
   /** A fault over the last good model, in the words of the terminal; null takes it away. */
-  setFault(text: string | null): void {
-    this.banner.setFault(text, this.world ? "the last good one is shown" : "the page shows it as soon as it builds");
+  setFault(text: string | null, rows: FaultRow[] = []): void {
+    const more = this.world ? "the last good one is shown" : "the page shows it as soon as it builds";
+    this.banner.setFault(text, more, rows);
   }
 
   notice(words: string): void {

@@ -7,7 +7,7 @@ export interface Columns {
 }
 
 export type Place = [file: number, line: number, column: number];
-/** A part: what it is called and where it is, the place of its entry, and the number of the part around it, or -1. */
+/** A part: its name and its place in words, the place of its entry, and the number of the part around it, or -1. */
 export type Part = [words: string, place: Place | null, outer: number];
 export type Change = [what: string, before: string | null, after: string | null, words: string, place: Place | null];
 export type Origin = [place: Place | null, part: number, words: string, changes: Change[]] | null;

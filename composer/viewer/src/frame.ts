@@ -1,4 +1,4 @@
-// The parts of the page around the picture: the bar, the tree, the tabs, and what stands over the picture.
+// The parts of the page around the picture: the bar, the tree, the tabs, and the tip over the picture.
 import { h, icon } from "./dom";
 
 export const TABS = ["Changes", "Info", "Joints", "Controls", "Sensors", "Show", "Attach"] as const;
@@ -61,7 +61,7 @@ export class Panels {
   }
 }
 
-/** What the frame shows in its bar and on its picture, and what it asks for. */
+/** The contents of the bar and of the picture, and the actions of the frame. */
 interface Contents {
   menus: Node[];
   tools: Node[];

@@ -495,7 +495,7 @@ export class Gizmo {
   }
 
   async back(kind: "undo" | "redo"): Promise<void> {
-    if (!this.writes) {
+    if (this.app.world && !this.writes) {
       return;
     }
     const answer = await this.ask({ kind });
@@ -503,6 +503,12 @@ export class Gizmo {
     if (!this.box.hidden) {
       this.show(this.words.textContent ?? "");
     }
+  }
+
+  /** Carry out the fix of a diagnostic. */
+  async fix(text: string): Promise<void> {
+    const answer = await this.ask({ kind: "fix", text });
+    this.app.notice(answer.refused ?? answer.said);
   }
 
   private save(): void {

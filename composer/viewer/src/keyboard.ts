@@ -2,7 +2,7 @@
 import type { App } from "./app";
 import { h } from "./dom";
 
-/** A key with what it does. `control` keys need Ctrl or Cmd. */
+/** A key and its action. `control` keys need Ctrl or Cmd. */
 interface Command {
   keys: string[];
   shown: string;
@@ -25,6 +25,12 @@ const COMMANDS: Command[] = [
   { keys: ["b"], shown: "B", words: "body frames", act: (app) => app.visible.flipMark("frames") },
   { keys: ["s"], shown: "S", words: "sites", act: (app) => app.visible.flipSites() },
   { keys: ["g"], shown: "G", words: "grid", act: (app) => app.visible.flipMark("grid") },
+  {
+    keys: ["n"],
+    shown: "N",
+    words: "names of bodies, of joints, of sites, none",
+    act: (app) => app.visible.nextNames(),
+  },
   { keys: ["o"], shown: "O", words: "contact forces", act: (app) => app.visible.flipMark("forces") },
   { keys: ["r"], shown: "R", words: "reference pose", act: (app) => app.setKey(-1) },
   { keys: ["k"], shown: "K", words: "copy the pose as a keyframe", act: (app) => void app.sliders.copyPose() },
@@ -64,7 +70,12 @@ const COMMANDS: Command[] = [
   },
   { keys: ["/"], shown: "/", words: "search", act: (app) => app.frame.searchBox.focus() },
   { keys: ["?"], shown: "?", words: "this list", act: (app) => help(app) },
-  { keys: ["escape"], shown: "Esc", words: "close what is on top, then select nothing", act: (app) => app.leave() },
+  {
+    keys: ["escape"],
+    shown: "Esc",
+    words: "close the ruler or the message, then select nothing",
+    act: (app) => app.leave(),
+  },
 ];
 
 /** A field that takes text keeps its keys, except Escape. */

@@ -42,7 +42,9 @@ export class Live {
       choose: (name, value) => post("choose", { name, value }),
     };
     if (this.wire.ask) {
-      app.gizmo = new Gizmo(app, (request) => this.wire.ask!("change", request));
+      const gizmo = new Gizmo(app, (request) => this.wire.ask!("change", request));
+      app.gizmo = gizmo;
+      app.banner.fix = ({ text }) => void gizmo.fix(text);
     }
     this.wire.listen(
       (name, data) => this.take(name, data),
@@ -104,7 +106,7 @@ export class Live {
         .then(() => this.load(data.version))
         .catch((error: Error) => this.app.notice(error.message));
     } else if (name === "fault") {
-      this.app.setFault(data.text);
+      this.app.setFault(data.text, data.rows ?? []);
     } else if (name === "state" && data.looked !== undefined) {
       const isOurs = data.looked === this.looked && data.version === this.version;
       if (isOurs && !this.playing && this.app.poses.at === null) {

@@ -133,7 +133,7 @@ const EXAMPLES: Record<Quantity, string> = {
   plain: "0.1, 1e3 or 1/4",
 };
 
-/** A text field for a number. A text that is no number stays, in red, and changes nothing. */
+/** A text field for a number. Any other text stays, in red, and changes nothing. */
 export class NumberBox {
   readonly root: HTMLInputElement;
 

@@ -1,4 +1,4 @@
-// The states of the last seconds, so that they can be shown again.
+// The states of the last seconds, which the page can show again.
 import type { Seen } from "./data";
 
 export interface State {

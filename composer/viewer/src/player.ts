@@ -1,4 +1,4 @@
-// What can be asked of the physics, which run in the page or on its server, and what they answer.
+// The requests to the physics, which run in the page or on its server, and their answers.
 import type { Pull, Seen } from "./data";
 
 export interface Player {
@@ -6,7 +6,7 @@ export interface Player {
   play(): void;
   /** One step, and pause. */
   step(): void;
-  /** Time 0 of a keyframe, -1 for the reference; what runs goes on running. */
+  /** Time 0 of a keyframe, -1 for the reference; a simulation that runs goes on running. */
   reset(key: number): void;
   /** Pause at a time of the last seconds, without running again. */
   back(time: number): void;

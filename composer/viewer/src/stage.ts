@@ -294,8 +294,10 @@ export class Stage {
     if (!this.world) {
       return;
     }
-    this.beforeFrame?.();
     this.follow();
+    // `lookAt` leaves the new place with the old direction in the matrix.
+    this.camera.updateMatrixWorld();
+    this.beforeFrame?.();
     this.world.headlight.position.copy(this.camera.position);
     this.suit(performance.now());
     this.renderer.render(this.scene, this.camera);
@@ -358,6 +360,10 @@ export function picture(stage: Stage): Promise<Blob> {
   pen.fillStyle = ground;
   pen.fillRect(0, 0, made.width, made.height);
   pen.drawImage(canvas, 0, 0);
+  const names = canvas.parentElement!.querySelector<HTMLCanvasElement>("canvas.labels");
+  if (names && !names.hidden) {
+    pen.drawImage(names, 0, 0, made.width, made.height);
+  }
   return new Promise((done, failed) =>
     made.toBlob((blob) => (blob ? done(blob) : failed(new Error("the browser makes no picture"))), "image/png"),
   );

@@ -1,7 +1,10 @@
-// What of the model is drawn: groups, kinds of things, and marks; the panel *Show*.
+// The parts of the model that the page draws: groups, kinds of things, and marks; the panel *Show*.
 import { h } from "./dom";
 import { EXTRAS, type Extra, Extras, gridStep } from "./extras";
+import { type Labels, NAMED, type Named } from "./labels";
 import type { World } from "./world";
+
+const NAME_WORDS: Record<Named, string> = { body: "bodies", joint: "joints", site: "sites", contact: "contacts" };
 
 const EXTRA_WORDS: Record<Extra, string> = {
   frames: "body frames",
@@ -17,6 +20,7 @@ export class Visible {
   readonly panel = h("div", { className: "show" });
   extras: Extras | null = null;
   readonly contactCount = h("span", {});
+  labels!: Labels;
   private world!: World;
   private isCollision = false;
   private readonly groups = [true, true, true, false, false, false];
@@ -53,6 +57,18 @@ export class Visible {
   flipMark(mark: Extra): void {
     this.setMark(mark, !this.marks.has(mark));
     this.fill();
+  }
+
+  /** The names of bodies, then of joints, then of sites, then none. */
+  nextNames(): void {
+    const order: (Named | null)[] = [null, "body", "joint", "site"];
+    const now = order.findIndex((kind) => kind !== null && this.labels.shown.has(kind));
+    const next = order[(Math.max(now, 0) + 1) % order.length];
+    for (const kind of NAMED) {
+      this.labels.set(kind, kind === next);
+    }
+    this.fill();
+    this.changed();
   }
 
   private setMark(mark: Extra, on: boolean): void {
@@ -112,6 +128,13 @@ export class Visible {
       h("h3", {}, "Marks"),
       ...EXTRAS.map((mark) =>
         this.check(EXTRA_WORDS[mark], this.marks.has(mark), (on) => this.setMark(mark, on), details[mark] ?? ""),
+      ),
+      h("h3", {}, "Names"),
+      ...NAMED.map((kind) =>
+        this.check(`names of ${NAME_WORDS[kind]}`, this.labels.shown.has(kind), (on) => {
+          this.labels.set(kind, on);
+          this.changed();
+        }),
       ),
     );
   }

@@ -14,6 +14,7 @@ from urllib.parse import unquote, urlsplit
 
 import pytest
 from mjcompose.cli.reporting import words_of
+from mjcompose.cli.view import faults_of
 from mjcompose.mujoco.engine import Session
 from mjcompose.sources.context import Context
 from mjcompose.tools.view import live
@@ -49,7 +50,9 @@ def server(tmp_path: Path) -> Iterator[PageServer]:
 def running(target: str, folder: Path, key: str | None = None, opens: bool = False) -> Iterator[PageServer]:
     """A server of a target, which watches."""
     with Session() as session:
-        workshop = Workshop(target, ViewChoice(), session, lambda: Context(folder=folder), words_of, key)
+        workshop = Workshop(
+            target, ViewChoice(), session, lambda: Context(folder=folder), words_of, key, faults=faults_of
+        )
         found = started(workshop, Service(), Context())
         assert found is not None
         stop = Event()
@@ -309,3 +312,31 @@ def test_a_recipe_that_is_used_twice_has_its_inner_parts_twice(tmp_path: Path, o
         page.evaluate("mjcompose.select({kind: 'body', index: 4}, true)")
         bodies = page.locator(".left .row.selected").all_inner_texts()
         assert len(bodies) == 1 and "right/hand/hand" in bodies[0]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("is_first", [False, True])
+def test_a_fault_has_a_link_to_its_line_and_its_fix_is_a_click(
+    tmp_path: Path, is_first: bool, open_page: Callable[..., Any]
+) -> None:
+    (tmp_path / "arm.xml").write_text(MODEL.format("ball"))
+    good = "recipe: 1\nbase: ./arm.xml\nedit:\n  - {select: {body: arm}, scale: {mass: 2}}   # heavier\n"
+    wrong = good.replace("body: arm", "body: arn")
+    (tmp_path / "arm.yaml").write_text(wrong if is_first else good)
+    with running("arm.yaml", tmp_path) as server:
+        page = open_page(server.address, None if is_first else 1)
+        if not is_first:
+            (tmp_path / "arm.yaml").write_text(wrong)
+        page.wait_for_selector(".fault:not([hidden])", timeout=20_000)
+        link = page.locator(".fault a.place")
+        assert link.inner_text() == "arm.yaml:4:14"
+        assert link.get_attribute("href") == f"vscode://file{tmp_path}/arm.yaml:4:14"
+        (tmp_path / "arm.yaml").write_text(wrong + "# more\n")
+        page.wait_for_timeout(1000)
+        page.get_by_role("button", name="Fix: write arm").click()
+        page.wait_for_selector(".fault", state="hidden", timeout=20_000)
+        assert (tmp_path / "arm.yaml").read_text() == good + "# more\n"
+        page.evaluate("mjcompose.gizmo.idle")
+        page.keyboard.press("Control+z")
+        page.wait_for_selector(".fault:not([hidden])", timeout=20_000)
+        assert (tmp_path / "arm.yaml").read_text() == wrong + "# more\n"

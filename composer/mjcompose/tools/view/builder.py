@@ -91,6 +91,23 @@ KEPT = "view"
 EDITOR = "vscode://file{file}:{line}:{column}"
 
 
+class PageFault(Struct):
+    """One diagnostic for the page: its text in the terminal, its place, and the new text of the file if a fix is known.
+
+    `place` is the start of the text. `source` is the text that was read, and `words` name the fix.
+    """
+
+    text: str
+    place: str = ""
+    file: str = ""
+    path: Path | None = None
+    line: int = 1
+    column: int = 1
+    source: str = ""
+    fixed: str | None = None
+    words: str = ""
+
+
 class Shown(Struct, frozen=False):
     """The last good model with its blobs, and the current fault, if any. `version` counts the models."""
 
@@ -99,6 +116,7 @@ class Shown(Struct, frozen=False):
     blobs: dict[str, bytes] = field(default_factory=dict)
     title: str = ""
     fault: str | None = None
+    faults: tuple[PageFault, ...] = ()
     seconds: float = 0.0
     targets: MovableItems = MovableItems()
 
@@ -106,9 +124,9 @@ class Shown(Struct, frozen=False):
 class Workshop:
     """Builds the models that the page shows.
 
-    `open` returns a new context for each build, and `words` returns the terminal's text for its faults. A build takes
-    `lock` while the engine works. `shown` and `inputs`, the files to watch, are replaced as a whole. If it `writes`,
-    the page gets a table of movable elements.
+    `open` returns a new context for each build. `words` returns the terminal's text for its faults, and `faults` yields
+    each of them with its place and its fix. A build takes `lock` while the engine works. `shown` and `inputs`, the
+    files to watch, are replaced as a whole. If it `writes`, the page gets a table of movable elements.
     """
 
     def __init__(
@@ -120,6 +138,7 @@ class Workshop:
         words: Callable[[Context], str],
         key: str | None = None,
         editor: str = EDITOR,
+        faults: Callable[[Context], Iterable[PageFault]] = lambda context: (),
     ) -> None:
         self.target = target
         self.asked = asked
@@ -129,6 +148,8 @@ class Workshop:
         self.writes = False
         self._open = open
         self._words = words
+        self._faults = faults
+        self.recipe: Path | None = None
         self.lock = RLock()
         self.shown = Shown()
         self.inputs: frozenset[Path] = frozenset()
@@ -143,6 +164,7 @@ class Workshop:
         with self.lock, ExitStack() as opened:
             started = time.monotonic()
             context = self._open()
+            self.recipe = context.folder / self.target
             asked = self.asked
             before = (time.time_ns(), marks(self.inputs))
             operand = read_operand(self.target, context, opened)
@@ -157,7 +179,7 @@ class Workshop:
                 operand.report(context.sink)
             self._watch(operand, made, context)
             if not is_new:
-                self.shown = replace(old, fault=self._words(context))
+                self.shown = replace(old, fault=self._words(context), faults=tuple(self._faults(context)))
             self.shown.seconds = time.monotonic() - started
             return self.shown
 

@@ -20,9 +20,10 @@ from ipaddress import IPv4Address, IPv6Address, ip_address
 from itertools import chain
 from threading import BoundedSemaphore, Lock
 from typing import Any
+from urllib.parse import quote
 
 from mjcompose.base.dataclass import Struct
-from mjcompose.tools.view.builder import Shown, Workshop
+from mjcompose.tools.view.builder import PageFault, Shown, Workshop
 from mjcompose.tools.view.page import BUILT, live
 from mjcompose.tools.view.simulation import Simulation
 from mjcompose.tools.view.writing import Writer
@@ -194,8 +195,25 @@ class PageServer:
 
     def show(self, shown: Shown) -> None:
         self.writer.know(shown)
-        for event, data in news(shown):
+        for event, data in self.news(shown):
             self.hub.send(event, data)
+
+    def news(self, shown: Shown) -> Iterator[tuple[str, Any]]:
+        """Yield the events that tell a page about the model and its faults."""
+        if shown.version >= 0:
+            yield "model", {"version": shown.version, "fault": shown.fault is not None}
+        if shown.fault is not None:
+            yield "fault", {"text": shown.fault, "rows": [self._row(each) for each in shown.faults]}
+
+    def _row(self, fault: PageFault) -> dict[str, Any]:
+        row: dict[str, Any] = {"text": fault.text, "place": fault.place, "fix": None}
+        if fault.path is not None:
+            path = fault.path.as_posix()
+            href = self.workshop.editor.replace("{file}", quote(path))
+            href = href.replace("{line}", str(fault.line)).replace("{column}", str(fault.column))
+            row |= {"path": path, "line": fault.line, "column": fault.column, "href": href}
+            row["fix"] = fault.words if self.workshop.writes and fault.fixed is not None else None
+        return row
 
     def choose(self, name: str, value: str) -> None:
         self.workshop.choose(name, value)
@@ -210,13 +228,6 @@ class PageServer:
         self.hub.put(None)
         self._http.shutdown()
         self._http.server_close()
-
-
-def news(shown: Shown) -> Iterator[tuple[str, Any]]:
-    if shown.version >= 0:
-        yield "model", {"version": shown.version, "fault": shown.fault is not None}
-    if shown.fault is not None:
-        yield "fault", {"text": shown.fault}
 
 
 class _Http(ThreadingHTTPServer):
@@ -438,7 +449,7 @@ class _Handler(BaseHTTPRequestHandler):
                 self.end_headers()
                 owner = self.server.owner
                 state = owner.physics.now()
-                events = chain(news(owner.workshop.shown), [] if state is None else [("state", state)])
+                events = chain(owner.news(owner.workshop.shown), [] if state is None else [("state", state)])
                 known = (encoded(event, data) for event, data in events)
                 for message in chain(known, page.messages()):
                     self._write(message)

@@ -103,8 +103,8 @@ class Past:
 class Simulation:
     """Simulates on request; `send` is called with each configuration.
 
-    All pages show the same simulation: a page that joins gets its state from `now`. `_turn` counts what the pages ask
-    for, so the answer to an older question cannot overwrite a newer one.
+    All pages show the same simulation: a page that joins gets its state from `now`. `_turn` counts the requests of
+    pages, so the answer to an older request cannot overwrite a newer one.
     """
 
     def __init__(self, workshop: Workshop, send: Callable[[State], None]) -> None:
@@ -122,7 +122,7 @@ class Simulation:
         self._thread = Thread(target=self._run, daemon=True)
         self._thread.start()
 
-    # -- what a page asks for --------------------------------------------------------------------------------------
+    # -- requests of a page ----------------------------------------------------------------------------------------
 
     def play(self, playing: bool, state: State, more: State | None = None) -> None:
         """Start from a state of the page, or pause. `more` goes to the pages: why it pauses.

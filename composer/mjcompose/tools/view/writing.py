@@ -6,6 +6,7 @@ import contextlib
 import json
 import math
 import os
+from codecs import BOM_UTF8
 from collections.abc import Callable
 from pathlib import Path
 from threading import Lock
@@ -85,13 +86,14 @@ class Writer:
             "parameter": self._parameter,
             "undo": self._back,
             "redo": self._back,
+            "fix": self._fix,
         }
         act = acts[said["kind"]]
         with self._lock:
             now = self.workshop.shown
             self.know(now)
             try:
-                self._now = now if act == self._back else self._version(said)
+                self._now = now if act in (self._back, self._fix) else self._version(said)
                 found = act(said)
             except DraftRefused as refused:
                 return {"refused": str(refused), **refused.more}
@@ -131,6 +133,9 @@ class Writer:
         """Return the path of a recipe that may be written: one of the user's own, in the project's folder."""
         targets = self._now.targets
         path, recipe = (targets.paths.get(each) for each in (file, targets.recipe))
+        return self._may_write(file, path, recipe)
+
+    def _may_write(self, file: str, path: Path | None, recipe: Path | None) -> Path:
         if path is not None and recipe is not None and path.suffix.lower() in RECIPES:
             doors = Door.of([folder_of_recipe(recipe)]), door_of_user()
             if all(door.sees(path) for door in doors):
@@ -418,6 +423,19 @@ class Writer:
         draft.set(path, float(short(value, 6)), TextChange(node.span, short(value, 6)))
         return self._finish(draft, f"params: {name}: {short(value, 6)}", said)
 
+    def _fix(self, said: Any) -> Answer:
+        """Carry out the fix of a diagnostic that the page shows, if its file is still as the build read it."""
+        faults = self._now.faults
+        fault = next((each for each in faults if each.text == said["text"] and each.fixed is not None), None)
+        if fault is None or fault.fixed is None or fault.path is None:
+            raise DraftRefused("this fault is not there any more")
+        path = self._may_write(fault.file, fault.path, self.workshop.recipe)
+        draft = RecipeDraft.of(fault.file, path, read_regular(path, in_force().recipe_size))
+        if draft.text != fault.source:
+            raise DraftRefused(_STALE.format(fault.file), stale=True)
+        mark = draft.raw[: len(BOM_UTF8)] if draft.raw.startswith(BOM_UTF8) else b""
+        return self._finish(draft, fault.words, said, after=mark + fault.fixed.encode())
+
     def _back(self, said: Any) -> Answer:
         """Restore the text from before the last change exactly, if nothing else has changed the file."""
         both = self._done, self._undone
@@ -433,8 +451,9 @@ class Writer:
         other.append((file, after, before, words))
         return {**found, "said": f"{'undone' if stack is self._done else 'done again'}: {words}"}
 
-    def _finish(self, draft: RecipeDraft, words: str, said: Any) -> Answer:
-        after = draft.result()
+    def _finish(self, draft: RecipeDraft, words: str, said: Any, after: bytes | None = None) -> Answer:
+        """Write a draft, or the whole text `after`, and remember it for undo."""
+        after = draft.result() if after is None else after
         if after == draft.raw:
             return {"said": "it is written like this already"}
         found = self._put(draft, after, said)
@@ -452,7 +471,13 @@ class Writer:
             edit = _difference(draft.text, after.decode("utf-8-sig"))
             return {"edits": [{"file": os.path.realpath(draft.path), **edit}]}
         try:
-            replace_text(draft.path, after, before=draft.raw, allowed=lambda: self._own(draft.file))
+            recipe = self.workshop.recipe
+            replace_text(
+                draft.path,
+                after,
+                before=draft.raw,
+                allowed=lambda: self._may_write(draft.file, draft.path, recipe),
+            )
         except ChangedError:
             raise DraftRefused(_STALE.format(draft.file), stale=True) from None
         self._note(draft, after)
