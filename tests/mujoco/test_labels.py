@@ -45,7 +45,8 @@ def test_a_point_is_where_mujoco_draws_it(name: str | None) -> None:
     if name is None:
         mujoco.mjv_defaultFreeCamera(model, view)
     else:
-        view.type, view.fixedcamid = mujoco.mjtCamera.mjCAMERA_FIXED, 0
+        view.type = mujoco.mjtCamera.mjCAMERA_FIXED
+        view.fixedcamid = 0
     mujoco.mjv_updateScene(model, data, mujoco.MjvOption(), None, view, mujoco.mjtCatBit.mjCAT_ALL.value, scene)
     at = projection(scene, 640, 480)
     for geom in range(2):
@@ -61,7 +62,8 @@ def selected(model: Any, data: Any, scene: Any, point: tuple[float, float]) -> i
     """The geom that MuJoCo finds at a point of the picture."""
     geom = np.full(1, -1, np.int32)
     other = np.full(1, -1, np.int32)
-    x, y = point[0] / 640, 1 - point[1] / 480
+    x = point[0] / 640
+    y = 1 - point[1] / 480
     mujoco.mjv_select(model, data, mujoco.MjvOption(), 640 / 480, x, y, scene, np.zeros(3), geom, other, other.copy())
     return int(geom[0])
 
