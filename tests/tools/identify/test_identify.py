@@ -114,6 +114,18 @@ def test_the_fit_is_the_same_in_every_format(tmp_path: Path) -> None:
             assert abs(first["value"] - other["value"]) < 0.01 * first["std"], (first, other)
 
 
+def test_the_zero_of_a_joint_is_fitted(tmp_path: Path) -> None:
+    recipe = lay(tmp_path, "\n    zero: {select: {joint: elbow}, zero: [-3deg, 3deg]}\n")
+    columns = robots.recorded(robots.model(), 1.5)
+    for name in ("qpos elbow", "ctrl elbow"):
+        columns[name] = columns[name] + 0.03
+    fit, context = fitted(recipe, robots.write_csv(tmp_path / "run.csv", columns))
+    assert fit is not None, context.sink.diagnostics
+    (number,) = fit.data["numbers"]
+    assert number["value"] == pytest.approx(0.03, abs=0.003)
+    assert abs(number["value"] - 0.03) < 4 * number["std"]
+
+
 def test_a_robot_without_actuators(tmp_path: Path) -> None:
     (tmp_path / "pendulum.xml").write_text(
         """<mujoco model="pendulum"><worldbody><body name="link"><joint name="hinge" axis="0 1 0" range="-90 90"/>

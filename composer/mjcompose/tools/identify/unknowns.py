@@ -102,7 +102,8 @@ def _unknown(mujoco: Any, model: MjModel, field: dict[str, Any], group: list[dic
 
 def _zero_place(mujoco: Any, model: MjModel, name: str, field: dict[str, Any]) -> NumberPlace:
     joint = model.joint(name)
-    if joint.type[0] not in (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE):
+    # An enum of MuJoCo 4.0 equals an int, and not a number of an array.
+    if int(joint.type[0]) not in (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE):
         message = f"`{name}` is neither a hinge nor a slide, so it has no zero"
         raise RecordingFault("not-identifiable", message, "select hinges and slides", field=field["name"])
     return NumberPlace("jnt", int(joint.id))
