@@ -1,11 +1,14 @@
 from __future__ import annotations
 
+import json
 import runpy
+from dataclasses import asdict
 from pathlib import Path
 
 import pytest
+from lxml import etree
 from mjcompose.base.codes import BY_TOPIC, page
-from mjcompose.lint.rule import FAMILIES, UnknownRuleError, chosen, rules
+from mjcompose.lint.rule import FAMILIES, ElementEdit, Finding, PlacedFinding, UnknownRuleError, chosen, rules
 
 ROOT = Path(__file__).parents[2]
 PAGES = ROOT / "docs" / "rules"
@@ -39,3 +42,13 @@ def test_the_index_is_current() -> None:
     index = runpy.run_path(str(ROOT / ".ci" / "rule_index.py"))["index"]
     assert (PAGES / "index.md").read_text(encoding="utf-8") == index(), "run `make schemas`"
     assert {each.stem for each in PAGES.glob("*.md")} == {"index", *rules()}
+
+
+def test_a_finding_of_the_child_process_comes_back_whole() -> None:
+    root = etree.fromstring('<mujoco><worldbody><geom name="g"/></worldbody></mujoco>')
+    edit = ElementEdit((("mass", None), ("name", "h")))
+    sent = PlacedFinding("code", 2, "a message", "mass", help="help", edit=edit)
+    received = PlacedFinding.of(json.loads(json.dumps(asdict(sent))))
+    assert received == sent
+    finding = received.finding(list(root.iter("*")))
+    assert finding == Finding(root[0][0], "a message", "mass", help="help", edit=edit)

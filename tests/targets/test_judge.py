@@ -2,11 +2,22 @@
 
 from __future__ import annotations
 
+import json
 import math
+from dataclasses import asdict
 
 import mujoco
 import pytest
-from mjcompose.targets.judge import asked_of, differences, drives_of, facts_of, questions, without_lost
+from mjcompose.targets.judge import (
+    MotionQuestion,
+    ReadingQuestion,
+    asked_of,
+    differences,
+    drives_of,
+    facts_of,
+    questions,
+    without_lost,
+)
 from mjcompose.targets.target import FeatureOutcome, Loss
 from targets.models import PROBE
 
@@ -174,3 +185,10 @@ def test_a_motion_that_depends_on_the_step_is_not_compared() -> None:
     facts = facts_of(mujoco, model, asked)
     assert facts["forces"]["b"] == pytest.approx(4 * 1e8 * 2) and "driven" not in facts
     assert asked_of(mujoco, mujoco.MjModel.from_xml_string(DRIVEN), 0)["eases"]
+
+
+def test_questions_come_to_the_child_process_whole() -> None:
+    losses = [Loss("damping", "joint", 1, tag="joint", name="elbow", why="it has none", help="leave it out")]
+    asked = {"poses": [], "seconds": 0.2}
+    for sent in (ReadingQuestion({"bodies": {}}, asked, True, losses), MotionQuestion(asked, losses, ["friction"])):
+        assert type(sent).of(json.loads(json.dumps(asdict(sent)))) == sent

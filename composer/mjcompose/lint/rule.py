@@ -8,7 +8,8 @@ process; any other rule reads only the elements.
 from __future__ import annotations
 
 import importlib
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict
 from functools import cache, cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -313,14 +314,55 @@ def subject_of(text: str, mujoco: Any, model: MjModel, is_part: bool = False) ->
     return Subject(etree.fromstring(text.encode(), parser), mujoco=mujoco, model=model, is_part=is_part)
 
 
-def in_child(mujoco: Any, model: MjModel, asked: Mapping[str, Any]) -> list[list[Any]]:
-    """Return the findings of the rules `codes` on `text` and its model as lists; runs under `mujoco.engine.call`."""
-    subject = subject_of(asked["text"], mujoco, model, is_part=asked["is_part"])
-    places = {element: at for at, element in enumerate(subject.root.iter("*"))}
+class LintQuestion(Struct):
+    """A question to the child process: the rules to run, by code, and the text that the model was compiled from."""
+
+    text: str
+    codes: Sequence[str]
+    is_part: bool
+
+
+class PlacedFinding(Struct):
+    """A finding of the child process: `place` is the number of its element in document order, from 0."""
+
+    code: str
+    place: int | None
+    message: str
+    attribute: str | None
+    help: str | None
+    edit: ElementEdit | None
+
+    @classmethod
+    def of(cls, data: Mapping[str, Any]) -> PlacedFinding:
+        """Return the finding that `asdict` turned into data."""
+        edit = data["edit"]
+        if edit is not None:
+            edit = ElementEdit(tuple((name, value) for name, value in edit["attributes"]), edit["removes"])
+        return cls(**{**data, "edit": edit})
+
+    def finding(self, elements: Sequence[Node]) -> Finding:
+        """Return the finding about one of the elements of the model, in document order."""
+        element = None if self.place is None else elements[self.place]
+        return Finding(element, self.message, self.attribute, help=self.help, edit=self.edit)
+
+
+def in_child(mujoco: Any, model: MjModel, asked: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Answer a `LintQuestion` with the data of each `PlacedFinding`; runs under `mujoco.engine.call`."""
+    question = LintQuestion(**asked)
+    subject = subject_of(question.text, mujoco, model, is_part=question.is_part)
+    places = {element: place for place, element in enumerate(subject.root.iter("*"))}
     every = rules()
-    answer: list[list[Any]] = []
-    for each, finding in found(subject, [every[code] for code in asked["codes"]]):
-        edit = None if finding.edit is None else [list(map(list, finding.edit.attributes)), finding.edit.removes]
-        at = None if finding.element is None else places[finding.element]
-        answer.append([each.code, at, finding.attribute, finding.message, finding.help, edit])
-    return answer
+    selected = [every[code] for code in question.codes]
+    return [
+        asdict(
+            PlacedFinding(
+                rule.code,
+                None if finding.element is None else places[finding.element],
+                finding.message,
+                finding.attribute,
+                help=finding.help,
+                edit=finding.edit,
+            )
+        )
+        for rule, finding in found(subject, selected)
+    ]

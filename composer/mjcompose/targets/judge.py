@@ -83,26 +83,58 @@ class ReadDifference(Struct):
     message: str
 
 
+class ReadingQuestion(Struct):
+    """The `facts` that a consumer wrote as an answer to the questions `asked`, and the losses of its target.
+
+    `single` allows for a consumer that computes in single precision.
+    """
+
+    facts: Facts
+    asked: Facts
+    single: bool
+    losses: Sequence[Loss]
+
+    @classmethod
+    def of(cls, data: Facts) -> ReadingQuestion:
+        """Return the question that `asdict` turned into data."""
+        return cls(**{**data, "losses": [Loss(**loss) for loss in data["losses"]]})
+
+
+class MotionQuestion(Struct):
+    """The questions `asked`, the losses of a target, and the features `without` which a program moves all joints."""
+
+    asked: Facts
+    losses: Sequence[Loss]
+    without: Sequence[str]
+
+    @classmethod
+    def of(cls, data: Facts) -> MotionQuestion:
+        """Return the question that `asdict` turned into data."""
+        return cls(**{**data, "losses": [Loss(**loss) for loss in data["losses"]]})
+
+
 def asked_of(mujoco: Any, model: MjModel, count: int) -> Facts:
     """Return the questions for a consumer. It is called by `mjcompose.mujoco.engine.call`."""
     asked = questions(model, count)
     return asked | drives_of(mujoco, model, asked)
 
 
-def judged(mujoco: Any, model: MjModel, question: Facts) -> list[str]:
-    """Return the differences between the `facts` and the model without the `losses`, in words.
+def judged(mujoco: Any, model: MjModel, data: Facts) -> list[str]:
+    """Answer a `ReadingQuestion`, in words: the differences between the facts and the model without the losses.
 
     It is called by `mjcompose.mujoco.engine.call`.
     """
-    question = {**question, "losses": [Loss(**each) for each in question["losses"]]}
-    return [each.message for each in differences(mujoco, model, **question)]
+    question = ReadingQuestion.of(data)
+    read = differences(mujoco, model, question.facts, question.asked, losses=question.losses, single=question.single)
+    return [difference.message for difference in read]
 
 
-def motion_of(mujoco: Any, model: MjModel, question: Facts) -> Facts:
-    """Return the end of the motion, without the losses of a target; called by `mjcompose.mujoco.engine.call`."""
-    losses = [Loss(**each) for each in question["losses"]] + _unmoved(model, question["without"])
-    found: Facts = facts_of(mujoco, model, question["asked"], losses=losses).get("motion", {})
-    return found
+def motion_of(mujoco: Any, model: MjModel, data: Facts) -> Facts:
+    """Answer a `MotionQuestion`: the end of the motion without the losses; called by `mujoco.engine.call`."""
+    question = MotionQuestion.of(data)
+    losses = [*question.losses, *_unmoved(model, question.without)]
+    motion: Facts = facts_of(mujoco, model, question.asked, losses=losses).get("motion", {})
+    return motion
 
 
 def _unmoved(model: MjModel, without: Iterable[str]) -> list[Loss]:

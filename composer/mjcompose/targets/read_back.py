@@ -8,7 +8,7 @@ import re
 import sys
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +25,7 @@ from mjcompose.language.checks.targets import Targets
 from mjcompose.language.target_names import CONSUMERS, READ_IN
 from mjcompose.mujoco import engine
 from mjcompose.targets.export import exported
-from mjcompose.targets.judge import asked_of, judged, motion_of, without_lost
+from mjcompose.targets.judge import MotionQuestion, ReadingQuestion, asked_of, judged, motion_of, without_lost
 from mjcompose.targets.readers.shared import facts as facts_module
 from mjcompose.targets.table import TARGETS
 from mjcompose.targets.target import Loss, grouped, in_words
@@ -182,8 +182,8 @@ def _about(work: Work, name: str, folder: Path, check: Targets, questions: dict[
     if isinstance(facts, str):
         return [Fault(_FAILED, f"`{name}` does not read the model: {facts}")], None
     version = str(facts["version"])
-    question = {"facts": facts, "asked": questions, "single": reader.single, "losses": written["losses"]}
-    answer = engine.call(work.session, judged, [work.whole], argument=question)
+    question = ReadingQuestion(facts, questions, reader.single, losses)
+    answer = engine.call(work.session, judged, [work.whole], argument=asdict(question))
     wrong = list(answer.value) if answer.ok else [str(answer.error or answer.crash)]
     if wrong:
         faults.insert(0, _reading_differently(name, version, wrong))
@@ -243,8 +243,9 @@ def motion_in(work: Work, name: str, seconds: float) -> tuple[dict[str, float], 
         facts = read_back(READERS[name], python, placed(folder / "out", written["model"]), questions=questions)
     if isinstance(facts, str):
         return Fault(_FAILED, f"`{name}` does not read the model: {facts}")
-    question = {"asked": questions, "losses": written["losses"], "without": facts.get("without", [])}
-    answer = engine.call(work.session, motion_of, [work.whole], argument=question)
+    losses = [Loss(**loss) for loss in written["losses"]]
+    question = MotionQuestion(questions, losses, facts.get("without", []))
+    answer = engine.call(work.session, motion_of, [work.whole], argument=asdict(question))
     if not answer.ok:
         return Fault(_FAILED, f"MuJoCo does not move the model: {answer.error or answer.crash}")
     return answer.value, facts.get("motion", {})

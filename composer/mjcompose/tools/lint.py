@@ -6,7 +6,7 @@ import os
 import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import ExitStack, suppress
-from dataclasses import replace
+from dataclasses import asdict, replace
 from itertools import islice, takewhile
 from pathlib import Path
 from xml.sax.saxutils import escape
@@ -19,7 +19,7 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Cause, Diagnostic, Fix, Severity, Span
 from mjcompose.base.files import MJCF_FILES, MODEL_FILES, RECIPES, URDF_FILES, open_regular
 from mjcompose.base.sink import Sink
-from mjcompose.lint.rule import ElementEdit, Finding, Rule, Subject, found, in_child
+from mjcompose.lint.rule import ElementEdit, Finding, LintQuestion, PlacedFinding, Rule, Subject, found, in_child
 from mjcompose.mujoco import engine
 from mjcompose.mujoco.engine import Session
 from mjcompose.mujoco.messages import CRASHES, parse, report as report_message, translate
@@ -239,17 +239,15 @@ def _in_mujoco(
 ) -> Iterator[tuple[Rule, Finding]]:
     by_code = {each.code: each for each in selected}
     unit = read.unit
-    asked = {"text": read.text.decode(), "codes": list(by_code), "is_part": read.is_part}
-    answer = engine.call(session, in_child, [_KEPT], argument=asked)
+    question = LintQuestion(read.text.decode(), list(by_code), read.is_part)
+    answer = engine.call(session, in_child, [_KEPT], argument=asdict(question))
     if not answer.ok:
         code = CRASHES.get(answer.crash or "", "mujoco-crash")
         context.sink.error(code, f"`{unit.file}`: {answer.error or answer.crash}", Span(unit.file, 1, 1))
         return
     elements = list(unit.root.iter("*"))
-    for code, at, attribute, message, help, edit in answer.value:
-        element = None if at is None else elements[at]
-        change = None if edit is None else ElementEdit(tuple((name, value) for name, value in edit[0]), edit[1])
-        yield by_code[code], Finding(element, message, attribute, help=help, edit=change)
+    for placed in map(PlacedFinding.of, answer.value):
+        yield by_code[placed.code], placed.finding(elements)
 
 
 def _diagnostic(rule: Rule, finding: Finding, unit: Unit, is_written: bool) -> Diagnostic:
