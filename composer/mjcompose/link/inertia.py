@@ -27,7 +27,7 @@ from mjcompose.tree import journal
 from mjcompose.tree.classes import ORIENTATIONS, Classes, childclass_of, own, through_frames, walk_bodies
 from mjcompose.tree.files import SourceSettings, stem
 from mjcompose.tree.grammar import GRAMMAR
-from mjcompose.tree.journal import because
+from mjcompose.tree.journal import Why, because, explained
 from mjcompose.tree.names import LISTS, REFERS, naming_table
 from mjcompose.tree.unit import Unit
 
@@ -46,25 +46,44 @@ def inertia(linking: Linking) -> None:
         return
     for unit in linking.units:
         settings = unit.settings
-        classes = unit.classes
-        if any(getattr(settings, name) != getattr(_DEFAULT, name) for name in MEASURED):
-            write_inertias(linking, unit)
+        measured = [name for name in MEASURED if getattr(settings, name) != getattr(_DEFAULT, name)]
+        if measured:
+            with explained(_measured_alone(unit, measured)):
+                write_inertias(linking, unit)
             continue
         if settings.inertiagrouprange.split() != ["0", "5"]:
-            _exclude_groups(unit, *map(numbers.integer, settings.inertiagrouprange.split()))
+            with explained(_made_explicit(unit, "inertiagrouprange")):
+                _exclude_groups(unit, *map(numbers.integer, settings.inertiagrouprange.split()))
         # With the rule `true`, geoms override a written inertial; a body without geoms keeps it. A body whose geoms all
         # have no mass counts as a body without geoms: in MuJoCo 4.0 `<body><inertial mass="7" pos="0 0 0"
         # diaginertia="1 1 1"/></body>` keeps its mass of 7 under `inertiafromgeom="true"`. With the rule `false`, a
         # body without a written inertial has no mass, whatever its geoms are.
         if settings.inertiafromgeom in ("true", "false"):
-            for body in _bodies(unit):
-                inertials = own(body, "inertial")
-                if settings.inertiafromgeom == "false":
-                    if not inertials:
-                        _write_no_mass(linking, unit, body)
-                elif inertials and any(has_mass(geom, classes) for geom in own(body, "geom")):
-                    for inertial in inertials:
-                        journal.remove(inertial)
+            with explained(_made_explicit(unit, "inertiafromgeom")):
+                for body in _bodies(unit):
+                    _apply_rule(linking, unit, body)
+
+
+def _measured_alone(unit: Unit, settings: list[str]) -> Why:
+    named = " and ".join(f"`{name}`" for name in settings)
+    place = unit.setting_place(settings[0])
+    return because(f"measured by MuJoCo on {unit.file_name} alone, for its {named}", place)
+
+
+def _made_explicit(unit: Unit, setting: str) -> Why:
+    value = getattr(unit.settings, setting)
+    return because(f'`{setting}="{value}"` of {unit.file_name}, made explicit', unit.setting_place(setting))
+
+
+def _apply_rule(linking: Linking, unit: Unit, body: Node) -> None:
+    """Apply `inertiafromgeom`, which is `true` or `false`, to one body."""
+    inertials = own(body, "inertial")
+    if unit.settings.inertiafromgeom == "false":
+        if not inertials:
+            _write_no_mass(linking, unit, body)
+    elif inertials and any(has_mass(geom, unit.classes) for geom in own(body, "geom")):
+        for inertial in inertials:
+            journal.remove(inertial)
 
 
 def _bodies(unit: Unit) -> list[Node]:
@@ -278,8 +297,7 @@ def _write_force(unit: Unit, actuator: Node, row: int, arrays: Mapping[str, list
     output = int(arrays["actuator_outadr"][row]) if "actuator_outadr" in arrays else row
     acceleration = arrays["actuator_acc0"][output]
     width = len(arrays["actuator_gainprm"]) // len(arrays["actuator_gaintype"])
-    file = unit.file.rpartition("/")[2]
-    why = because(f"the peak force that its `scale` gives it in `{file}` alone")
+    why = because(f"the peak force that its `scale` gives it in {unit.file_name} alone")
     for name, kind in _MUSCLE_LAWS:
         parameters = arrays[f"actuator_{name}"][row * width : row * width + _PARAMETERS]
         if int(arrays[f"actuator_{kind}"][row]) != _MUSCLE or parameters[_FORCE] >= 0 or not acceleration:

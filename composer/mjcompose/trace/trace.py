@@ -304,7 +304,7 @@ class Trace:
             return
         life.sources += [self.lives[source] for source in sources if source in self.lives]
         if len(life.sources) == 1:
-            life.changes += _differences(dict(life.sources[0].items), life.attributes, life.made_by, owner=life.owner)
+            life.changes += _differences(dict(life.sources[0].items), life)
 
     def life(self, node: Node) -> Life:
         return self.lives[node]
@@ -350,12 +350,14 @@ class Trace:
         return self._indexed[1]
 
 
-def _differences(
-    before: dict[str, str], after: dict[str, str], cause: TracedOperation, owner: Owner
-) -> Iterator[AttributeChange]:
+def _differences(before: dict[str, str], life: Life) -> Iterator[AttributeChange]:
+    """Yield the changes from another element to a new one that replaces it, with the reasons of the new one."""
+    assert life.made_by is not None
+    after = life.attributes
     for name in {**before, **after}:
         if before.get(name) != after.get(name):
-            yield AttributeChange(name, before.get(name), after.get(name), cause=cause, owner=owner)
+            why = life.whys.get(name) or life.whys.get(PARENT)
+            yield AttributeChange(name, before.get(name), after.get(name), life.made_by, life.owner, why)
 
 
 class _Carriers:

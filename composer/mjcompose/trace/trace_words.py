@@ -26,11 +26,9 @@ from mjcompose.link.defaults import defaults
 from mjcompose.link.delays import delays
 from mjcompose.link.files import add_file, dedup, files, share_in_copies
 from mjcompose.link.inertia import (
-    MEASURED,
     body_reduction,
     fitted_sizes,
     has_mass,
-    inertia,
     lengthranges,
 )
 from mjcompose.link.keyframes import keyframes
@@ -49,7 +47,7 @@ from mjcompose.text.node import find, locate
 from mjcompose.trace.explanation import Reason, RowExplained
 from mjcompose.trace.trace import AttributeChange, Function, Life, NumberOrigin, ParentChange, Trace, TracedOperation
 from mjcompose.tree.classes import MAIN, ORIENTATIONS, Classes, childclass_of, class_in_force, own
-from mjcompose.tree.files import SourceSettings, read_settings
+from mjcompose.tree.files import read_settings
 from mjcompose.tree.grammar import GRAMMAR, ElementType
 from mjcompose.tree.journal import PARENT, Why
 from mjcompose.tree.select import kind_of
@@ -145,7 +143,6 @@ _OF_OTHERS: dict[object, str] = {
 """The functions and classes that change models and are no passes."""
 
 
-_DEFAULT = SourceSettings()
 _CALLED = "the top class of {} is called that here"
 _FOLDERS = ("meshdir", "texturedir", "assetdir", "strippath")
 _COMPUTED = {
@@ -195,20 +192,6 @@ class Causes:
             span = None if found is None else self.trace.life(found[1]).span(unit.origins, change.attribute)
             return Reason(f"its class gives it to joints that slide too; in radians here, {degrees}", span)
         return Reason(f"degrees → radians: {degrees}, the model in radians", span)
-
-    def _inertia(self, life: Life, change: AttributeChange) -> Reason:
-        settings = change.cause.unit.settings
-        unit = change.cause.unit
-        measured = [name for name in MEASURED if getattr(settings, name) != getattr(_DEFAULT, name)]
-        if measured:
-            names = " and ".join(f"`{name}`" for name in measured)
-            words = f"measured by MuJoCo on {_file(unit)} alone, for its {names}"
-            return Reason(words, self.setting(unit, measured[0]))
-        for name in ("inertiagrouprange", "inertiafromgeom"):
-            value = getattr(settings, name)
-            if value != getattr(_DEFAULT, name):
-                return Reason(f'`{name}="{value}"` of {_file(unit)}, made explicit', self.setting(unit, name))
-        return Reason(f"the inertia rules of {_file(unit)}, made explicit")
 
     def _reduced(self, life: Life, change: AttributeChange) -> Reason:
         unit = change.cause.unit
@@ -427,7 +410,6 @@ CHANGES: dict[Function | None, Words] = {
     names: Causes._names,
     body_reduction: Causes._reduced,
     angles: Causes._angles,
-    inertia: Causes._inertia,
     fitted_sizes: _by_setting("fitaabb", "fitted by MuJoCo to the mesh's bounding box: `fitaabb` of {}"),
     lengthranges: Causes._lengthranges,
     submodel_options: _ADOPTED,
@@ -446,7 +428,6 @@ CHANGES: dict[Function | None, Words] = {
 MADE: dict[Function | None, Words] = {
     replicates: Causes._unrolled,
     body_reduction: Causes._reduced,
-    inertia: Causes._inertia,
     submodel_options: _ADOPTED,
     agreement: Causes._agreement_made,
     defaults: Causes._defaults_made,
@@ -461,7 +442,7 @@ VALUES: dict[Function | None, Words] = {
     compiler: Causes._compiler_value,
     defaults: Causes._defaults_value,
 }
-GONE: dict[Function | None, Words] = {body_reduction: Causes._reduced, inertia: Causes._inertia}
+GONE: dict[Function | None, Words] = {body_reduction: Causes._reduced}
 
 
 def rewrites(cause: TracedOperation) -> bool:

@@ -31,9 +31,9 @@ Why = Callable[[], Because | None]
 """Returns a reason. It is called only when somebody asks. None: the reason of the pass or step itself."""
 
 
-def because(words: str, span: Span | None = None) -> Why:
-    """Return a reason that is known already."""
-    return lambda: Because(words, span)
+def because(words: str, place: Span | Callable[[], Span] | None = None) -> Why:
+    """Return a reason whose words are known already; its place may be a function, called only when somebody asks."""
+    return lambda: Because(words, place() if callable(place) else place)
 
 
 class TreeChange(NamedTuple):
@@ -48,6 +48,7 @@ class TreeChange(NamedTuple):
 
 _RECORD: ContextVar[list[TreeChange] | None] = ContextVar("mjcompose.tree.journal", default=None)
 _record = _RECORD.get
+_REASON: ContextVar[Why | None] = ContextVar("mjcompose.tree.journal.reason", default=None)
 
 
 @contextmanager
@@ -65,15 +66,36 @@ def is_recording(record: list[TreeChange]) -> bool:
     return _record() is record
 
 
+@contextmanager
+def explained(why: Why | None) -> Iterator[None]:
+    """Give this reason to the changes in the block that have none of their own."""
+    token = _REASON.set(why)
+    try:
+        yield
+    finally:
+        _REASON.reset(token)
+
+
 def unrecorded() -> AbstractContextManager[None]:
     """Record nothing in the block, which must leave the model as it was."""
     return recording(None)
 
 
+def _append(
+    record: list[TreeChange],
+    node: Node,
+    what: str,
+    before: str | Node | None,
+    after: str | Node | None,
+    why: Why | None,
+) -> None:
+    record.append(TreeChange(node, what, before, after, why or _REASON.get()))
+
+
 def write(node: Node, name: str, text: str, why: Why | None = None) -> None:
     """Write an attribute of an element."""
     if (record := _record()) is not None:
-        record.append(TreeChange(node, name, node.get(name), text, why))
+        _append(record, node, name, node.get(name), text, why)
     node.set(name, text)
 
 
@@ -89,7 +111,7 @@ def drop(node: Node, name: str, why: Why | None = None) -> str | None:
     if text is None:
         return None
     if (record := _record()) is not None:
-        record.append(TreeChange(node, name, text, None, why))
+        _append(record, node, name, text, None, why)
     del node.attrib[name]
     return text
 
@@ -103,14 +125,14 @@ def drop_all(node: Node, why: Why | None = None) -> None:
 def retag(node: Node, tag: str, why: Why | None = None) -> None:
     """Make an element one of another kind."""
     if (record := _record()) is not None:
-        record.append(TreeChange(node, TAG, str(node.tag), tag, why))
+        _append(record, node, TAG, str(node.tag), tag, why)
     node.tag = tag
 
 
 def place(holder: Node, node: Node, at: int | None = None, why: Why | None = None) -> None:
     """Put an element, new or from elsewhere, into a holder: at the end, or before its child number `at`."""
     if (record := _record()) is not None:
-        record.append(TreeChange(node, PARENT, node.getparent(), holder, why))
+        _append(record, node, PARENT, node.getparent(), holder, why)
     if at is None:
         holder.append(node)
     else:
@@ -128,8 +150,8 @@ def exchange(old: Node, new: Node, why: Why | None = None) -> None:
     holder = old.getparent()
     assert holder is not None
     if (record := _record()) is not None:
-        record.append(TreeChange(new, PARENT, new.getparent(), holder, why))
-        record.append(TreeChange(old, PARENT, holder, None, why))
+        _append(record, new, PARENT, new.getparent(), holder, why)
+        _append(record, old, PARENT, holder, None, why)
     holder.replace(old, new)
 
 
@@ -137,11 +159,11 @@ def remove(node: Node, why: Why | None = None) -> None:
     """Remove an element from its tree if it is in one."""
     if (holder := node.getparent()) is not None:
         if (record := _record()) is not None:
-            record.append(TreeChange(node, PARENT, holder, None, why))
+            _append(record, node, PARENT, holder, None, why)
         holder.remove(node)
 
 
 def note_source(node: Node, source: Node, why: Why | None = None) -> None:
     """Record that a new element replaces or copies another element."""
     if (record := _record()) is not None:
-        record.append(TreeChange(node, SOURCE, None, source, why))
+        _append(record, node, SOURCE, None, source, why)

@@ -6,7 +6,7 @@ import copy
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, Literal, NamedTuple, Protocol
@@ -215,6 +215,18 @@ class Origins(Struct, frozen=False):
             return found
         return self.span_by(self.owner(element, default_file), element, attribute, key=key)
 
+    def lasting_place(self, element: Node, default_file: str, attribute: str | None = None) -> Callable[[], Span]:
+        """Return a function that returns the present place of an element, also after the element has changed."""
+        if attribute is not None and (found := self.settings.get(element, {}).get(attribute)) is not None:
+            return found if callable(found) else lambda: found
+        owner = self.owner(element, default_file)
+        if isinstance(owner, Span):
+            return lambda: owner
+        if not isinstance(owner, str):
+            return partial(owner, attribute)
+        written = {str(name): str(value) for name, value in element.items()}
+        return partial(self.in_file, owner, line_of(element), str(element.tag), written=written, attribute=attribute)
+
     def set_at(self, element: Node, attribute: str) -> Span | None:
         """Return where a program, a recipe or the linker has set an attribute; None for an attribute from its file."""
         found = self.settings.get(element, {}).get(attribute)
@@ -398,6 +410,17 @@ class Unit:
             for name in names:
                 journal.drop(compiler, name)
         self.__dict__.pop("settings", None)
+
+    def setting_place(self, name: str) -> Callable[[], Span] | None:
+        """Return a function that returns where a compiler setting is written now, or None if it is not written."""
+        holders = (each for each in self.root.iterchildren("compiler", reversed=True) if name in each.attrib)
+        last = next(holders, None)
+        return None if last is None else self.origins.lasting_place(last, self.file, name)
+
+    @property
+    def file_name(self) -> str:
+        """The name of the file without its folder, in backticks."""
+        return f"`{self.file.rpartition('/')[2]}`"
 
     @property
     def model(self) -> str:
