@@ -185,7 +185,10 @@ def fitted_sizes(linking: Linking) -> None:
             }
             kept = KeptSettings(linking, unit, ("fitaabb",))
             found = kept.survey(GEOMS) if fitted else None
-            if found is not None:
+            if found is None:
+                continue
+            words = f"fitted by MuJoCo to the mesh's bounding box: `fitaabb` of {unit.file_name}"
+            with explained(because(words, unit.setting_place("fitaabb"))):
                 for geom, kind in fitted.items():
                     _write_fitted(kept, geom, _SIZES[kind], found=found)
 
@@ -242,14 +245,15 @@ def lengthranges(linking: Linking) -> None:
                 if len(measured) != 2 * len(actuators):
                     kept.refuse("MuJoCo makes copies of actuators")
                     continue
+            why = _own_lengths(unit, rules)
             for at, actuator in enumerate(actuators):
                 limits = measured[2 * at : 2 * at + 2]
                 # MuJoCo reads `0 0` as not written: for `<muscle lengthrange="0 0"/>` it computes a range.
                 if any(limits):
-                    journal.write(actuator, "lengthrange", numbers.text(limits))
+                    journal.write(actuator, "lengthrange", numbers.text(limits), why)
                 elif rules and _is_muscle(actuator):
-                    why = "it leaves a muscle without a range"
-                    message = f"`lengthrange` of `{unit.label}` cannot be kept in a composition: {why}"
+                    cause = "it leaves a muscle without a range"
+                    message = f"`lengthrange` of `{unit.label}` cannot be kept in a composition: {cause}"
                     notes = (Note("the muscle", linking.span(unit, actuator)),)
                     help = "write the `lengthrange` of the muscle"
                     linking.sink.error(
@@ -257,7 +261,14 @@ def lengthranges(linking: Linking) -> None:
                     )
                     break
             for rule in rules:
-                journal.remove(rule)
+                journal.remove(rule, because("the length ranges that it gives are written on the actuators"))
+
+
+def _own_lengths(unit: Unit, rules: list[Node]) -> Why:
+    words = f"measured by MuJoCo on {unit.file_name} alone"
+    if not rules:
+        return because(f"{words}, without attachments on the bodies that the muscle moves")
+    return because(f"{words}, by its own `<lengthrange>`", unit.origins.lasting_place(rules[0], unit.file))
 
 
 _MUSCLE_LAWS = (("gainprm", "gaintype"), ("biasprm", "biastype"))
@@ -322,11 +333,18 @@ def body_reduction(linking: Linking) -> None:
             # Below a joint of the recipe, bodies that would be part of the world alone keep their mass.
             pinned = static_bodies(unit) if wanted and part is not None and part.has_body else ()
             found = KeptSettings(linking, unit, wanted).survey((*BODIES, *NAMED), pinned=pinned) if wanted else None
-            if found is not None:
+            if found is None:
+                continue
+            with explained(_reduced_alone(unit, wanted)):
                 changed = discard(unit, found) if "discardvisual" in wanted else set()
                 changed |= fuse(linking, unit, part, found=found) if "fusestatic" in wanted else set()
                 unit.forget_settings(*wanted)
                 settle_inertia(linking, unit, changed, found=found)
+
+
+def _reduced_alone(unit: Unit, settings: list[str]) -> Why:
+    named = " and ".join(f"`{name}`" for name in settings)
+    return because(f"as MuJoCo has it in {unit.file_name} alone, by its {named}", unit.setting_place(settings[0]))
 
 
 _ASSETS = ("mesh", "material", "texture")

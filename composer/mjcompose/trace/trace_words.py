@@ -25,12 +25,7 @@ from mjcompose.link.collect import collect
 from mjcompose.link.defaults import defaults
 from mjcompose.link.delays import delays
 from mjcompose.link.files import add_file, dedup, files, share_in_copies
-from mjcompose.link.inertia import (
-    body_reduction,
-    fitted_sizes,
-    has_mass,
-    lengthranges,
-)
+from mjcompose.link.inertia import has_mass
 from mjcompose.link.keyframes import keyframes
 from mjcompose.link.link import row_of
 from mjcompose.link.linking import Part
@@ -193,24 +188,9 @@ class Causes:
             return Reason(f"its class gives it to joints that slide too; in radians here, {degrees}", span)
         return Reason(f"degrees → radians: {degrees}, the model in radians", span)
 
-    def _reduced(self, life: Life, change: AttributeChange) -> Reason:
-        unit = change.cause.unit
-        found = {name: span for name in ("fusestatic", "discardvisual") if (span := self.setting(unit, name))}
-        names = " and ".join(f"`{name}`" for name in found)
-        return Reason(f"as MuJoCo has it in {_file(unit)} alone, by its {names}", next(iter(found.values()), None))
-
     def _unrolled(self, life: Life, change: AttributeChange) -> Reason:
         words = f"a copy by the `<replicate>` of {_file(change.cause.unit)}, written out"
         return Reason(words, of_step(change.cause, life.owner, None).span)
-
-    def _lengthranges(self, life: Life, change: AttributeChange) -> Reason | None:
-        unit = change.cause.unit
-        lives = self.trace.lives.values()
-        rule = next((each for each in lives if each.tag == "lengthrange" and each.root is unit.root), None)
-        words = f"measured by MuJoCo on {_file(unit)} alone"
-        if rule is None:
-            return Reason(f"{words}, without attachments on the bodies that the muscle moves", None)
-        return Reason(f"{words}, by its own `<lengthrange>`", rule.span(unit.origins))
 
     def _agreement(self, life: Life, change: AttributeChange) -> Reason | None:
         linking = change.cause.linking
@@ -346,9 +326,7 @@ class Causes:
         if isinstance(life.gone.done, Subtree):
             place = life.parts[0].span if life.parts else None
             return Reason(f"not needed by `{life.gone.done.body}`, the subtree that the recipe takes", place)
-        change = AttributeChange("", None, None, cause=life.gone, owner=life.owner)
-        reason = recorded(life.why_gone) or self._worded(GONE, life, change)
-        return reason or of_step(life.gone, None, None)
+        return recorded(life.why_gone) or of_step(life.gone, None, None)
 
     def move(self, move: ParentChange, life: Life) -> Reason | None:
         """Return the reason that an element moved, or None if the move has no meaning, as in a merged section."""
@@ -408,10 +386,7 @@ def _named_or(words: str) -> Words:
 
 CHANGES: dict[Function | None, Words] = {
     names: Causes._names,
-    body_reduction: Causes._reduced,
     angles: Causes._angles,
-    fitted_sizes: _by_setting("fitaabb", "fitted by MuJoCo to the mesh's bounding box: `fitaabb` of {}"),
-    lengthranges: Causes._lengthranges,
     submodel_options: _ADOPTED,
     agreement: Causes._agreement,
     **dict.fromkeys((files, submodels, add_file), _named_or("where the bundle has the file")),
@@ -427,7 +402,6 @@ CHANGES: dict[Function | None, Words] = {
 }
 MADE: dict[Function | None, Words] = {
     replicates: Causes._unrolled,
-    body_reduction: Causes._reduced,
     submodel_options: _ADOPTED,
     agreement: Causes._agreement_made,
     defaults: Causes._defaults_made,
@@ -442,7 +416,6 @@ VALUES: dict[Function | None, Words] = {
     compiler: Causes._compiler_value,
     defaults: Causes._defaults_value,
 }
-GONE: dict[Function | None, Words] = {body_reduction: Causes._reduced}
 
 
 def rewrites(cause: TracedOperation) -> bool:
