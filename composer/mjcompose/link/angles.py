@@ -28,6 +28,7 @@ from mjcompose.link.linking import Flex, Linking
 from mjcompose.tree import journal
 from mjcompose.tree.classes import MAIN, NESTED, Classes, childclass_of, through_frames, written
 from mjcompose.tree.grammar import GRAMMAR, to_text
+from mjcompose.tree.journal import Why, because
 from mjcompose.tree.unit import Unit
 
 _TURNED = etree.XPath("(worldbody | default)//*[@euler or @axisangle]")
@@ -51,9 +52,26 @@ def angles(linking: Linking) -> None:
             _joints(part)
 
 
+def _in_degrees(unit: Unit) -> str:
+    default = "" if unit.setting_place("angle") else ", MJCF's default"
+    return f"{unit.file_name} is in degrees{default}"
+
+
+def _turned_to_radians(unit: Unit) -> Why:
+    words = f"degrees → radians: {_in_degrees(unit)}, the model in radians"
+    return because(words, unit.setting_place("angle"))
+
+
+def _of_another_sequence(unit: Unit) -> Why:
+    words = f"{unit.file_name} reads angles in the sequence `{unit.settings.eulerseq}`, the model does not"
+    return because(words, unit.setting_place("eulerseq"))
+
+
 def _orientations(linking: Linking, unit: Unit, to_radians: bool, sequence: str) -> None:
     own = unit.settings.eulerseq
     degrees = unit.settings.angle == "degree"
+    radians_why = _turned_to_radians(unit)
+    sequence_why = _of_another_sequence(unit)
     for element in cast(list[Node], _TURNED(unit.root)):
         euler = element.get("euler")
         if euler is not None and euler.strip():
@@ -62,15 +80,15 @@ def _orientations(linking: Linking, unit: Unit, to_radians: bool, sequence: str)
                 _replicate(linking, unit, element, values=values, sequence=sequence, to_radians=to_radians)
             elif own != sequence:
                 radians = [numbers.orientation_radians(v) for v in values] if degrees else values
-                journal.drop(element, "euler")
-                journal.write(element, "quat", numbers.text(numbers.quat_from_euler(radians, own)))
+                journal.drop(element, "euler", sequence_why)
+                journal.write(element, "quat", numbers.text(numbers.quat_from_euler(radians, own)), sequence_why)
             elif to_radians:
-                journal.write(element, "euler", numbers.text(map(numbers.orientation_radians, values)))
+                journal.write(element, "euler", numbers.text(map(numbers.orientation_radians, values)), radians_why)
         axisangle = element.get("axisangle")
         if to_radians and axisangle is not None and axisangle.strip():
             *axis, angle = axisangle.split()
             turned = numbers.text([numbers.orientation_radians(*numbers.exactly(angle, 1))])
-            journal.write(element, "axisangle", " ".join([*axis, turned]))
+            journal.write(element, "axisangle", " ".join([*axis, turned]), radians_why)
 
 
 def _replicate(
@@ -90,7 +108,8 @@ def _replicate(
             linking.sink.error("compiler-setting", message, linking.span(unit, element), help=help)
             return
         values = moved
-    journal.write(element, "euler", numbers.text(values))
+    why = _turned_to_radians(unit) if own == sequence else _of_another_sequence(unit)
+    journal.write(element, "euler", numbers.text(values), why)
 
 
 def in_sequence(values: Sequence[float], own: str, sequence: str) -> list[float] | None:
@@ -121,12 +140,17 @@ def _joints(unit: Unit) -> None:
     angles, users = _read_by_joints(unit, in_classes)
     if in_classes:
         _add_flexes(unit, users)
-    angles += _settle_classes(users)
+    angles += _settle_classes(unit, users)
     angles += _unused_angles(unit, users)
+    why = _turned_to_radians(unit)
     for element, attribute in angles:
         value = str(element.get(attribute) or "")
         if value.strip():
-            journal.write(element, attribute, numbers.text(map(numbers.joint_radians, numbers.read(value))))
+            journal.write(element, attribute, _radians(value), why)
+
+
+def _radians(text: str) -> str:
+    return numbers.text(map(numbers.joint_radians, numbers.read(text)))
 
 
 _Place: TypeAlias = tuple[Node, str]
@@ -174,8 +198,8 @@ def _add_flexes(unit: Unit, users: _Users) -> None:
                 users.setdefault((writer, attribute), []).append((flex, False))
 
 
-def _settle_classes(users: _Users) -> list[_Place]:
-    """Return the angles that joints take from classes: of the class if all its users have one, or else of the joints.
+def _settle_classes(unit: Unit, users: _Users) -> list[_Place]:
+    """Return the angles of classes whose users all have an angle there.
 
     A class cannot have the angle if other joints have none. Then each joint with an angle gets the value itself.
     """
@@ -184,10 +208,12 @@ def _settle_classes(users: _Users) -> list[_Place]:
         if all(is_angle for _, is_angle in takers):
             angles.append((writer, attribute))
             continue
+        words = f"its class gives it to joints that slide too; in radians here, {_in_degrees(unit)}"
+        why = because(words, unit.origins.lasting_place(writer, unit.file, attribute))
+        text = str(writer.get(attribute))
         for joint, is_angle in takers:
             if is_angle:
-                journal.write(joint, attribute, str(writer.get(attribute)))
-                angles.append((joint, attribute))
+                journal.write(joint, attribute, _radians(text) if text.strip() else text, why)
     return angles
 
 

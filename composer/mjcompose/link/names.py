@@ -16,6 +16,7 @@ from mjcompose.link.linking import Linking, Part
 from mjcompose.tree import journal
 from mjcompose.tree.classes import MAIN
 from mjcompose.tree.files import NAMED_AFTER_FILE, stem
+from mjcompose.tree.journal import Why, because, explained
 from mjcompose.tree.names import (
     DECLARES,
     GENERATES,
@@ -66,8 +67,11 @@ class _UnitRenaming:
         part = self.part
         unit = self.unit
         top_class = self.linking.top_class(unit)
-        found = rename(unit, self.prefix, top_class=top_class, outward=part.outward if part else _NOTHING)
-        self._refer_to_keys()
+        outward = part.outward if part else _NOTHING
+        reasons = _Reasons(unit, part)
+        with explained(reasons.with_prefix):
+            found = rename(unit, self.prefix, top_class=top_class, outward=outward, reasons=reasons)
+            self._refer_to_keys()
         for namespace, name, element in found.repeated:
             self._report_repeated(_Clash(namespace, name, element, earlier=found.declared[namespace][name]))
         for namespace, name, element in found.dangling():
@@ -144,6 +148,26 @@ class _UnitRenaming:
         linking.sink.error(first.code, message, part.span or here, notes=notes, help=help, subjects=subjects)
 
 
+class _Reasons:
+    """The reasons for new names in the unit of a part, or of the base, which has no part."""
+
+    def __init__(self, unit: Unit, part: Part | None = None) -> None:
+        self.with_prefix = self._of(part, "prefix of the part `{}`")
+        self.in_list = self._of(part, "names with the prefix of the part `{}`")
+        self.outside = self._of(part, "the element outside the part `{}` that it refers to")
+        self.after_file = because("named after its file, with the prefix of the part", part.span if part else None)
+        self.top_class = because(called_here(unit))
+
+    @staticmethod
+    def _of(part: Part | None, words: str) -> Why:
+        return because("names of the base") if part is None else because(words.format(part.called), part.span)
+
+
+def called_here(unit: Unit) -> str:
+    """Return the words for a reference to the top class of a unit, which has another name in the model."""
+    return f"the top class of {unit.file_name} is called that here"
+
+
 class UnitNames:
     """The names of one unit by namespace, as the model has them, each with its first element.
 
@@ -152,9 +176,10 @@ class UnitNames:
     unit.
     """
 
-    def __init__(self, prefix: str, outward: Mapping[str, str]) -> None:
+    def __init__(self, prefix: str, outward: Mapping[str, str], reasons: _Reasons) -> None:
         self.prefix = prefix
         self.outward = outward
+        self.reasons = reasons
         self.declared: defaultdict[str, dict[str, Node]] = defaultdict(dict)
         self.referred: defaultdict[str, dict[str, Node]] = defaultdict(dict)
         self.repeated: list[tuple[str, str, Node]] = []
@@ -189,7 +214,7 @@ class UnitNames:
                         self._rename_special(element, key, value, action=(kind, namespace))
                         continue
                     if kind == REFERS and value in outward:
-                        journal.write(element, key, outward[value])
+                        journal.write(element, key, outward[value], self.reasons.outside)
                         continue
                     if prefix:
                         value = prefix + value
@@ -203,6 +228,7 @@ class UnitNames:
         """Rename a value that is not a plain name: empty, a list, a prefix, a file, or a name typed by a sibling."""
         kind, namespace = action
         name = self.prefix + value
+        why: Why | None = None
         if namespace == "key" or (not value and kind != GENERATES):
             return  # keys are named when they are laid out
         if kind == _NAMED_BY_FILE:
@@ -210,7 +236,7 @@ class UnitNames:
             if not element.get("name"):
                 name = self.prefix + stem(value)
                 if self.prefix:
-                    journal.write(element, "name", name)
+                    journal.write(element, "name", name, self.reasons.after_file)
                 self.declare(str(element.tag), name, element)
             return
         if kind == LISTS:
@@ -220,16 +246,18 @@ class UnitNames:
                 if each != WORLD and each not in self.outward:
                     self.referred[namespace].setdefault(self.prefix + each, element)
             name = " ".join(names)
+            why = self.reasons.in_list if len(names) > 1 else None
         elif kind == REFERS_BY:
             target = object_namespace(element, namespace)
             if target == "key" or (value == WORLD and target in (None, "body")):
                 return  # for keys see `_refer_to_keys`
             if value in self.outward:
                 name = self.outward[value]
+                why = self.reasons.outside
             elif target:
                 self.referred[target].setdefault(name, element)
         if name != value:
-            journal.write(element, key, name)
+            journal.write(element, key, name, why)
 
 
 _NAMED_BY_FILE = -1
@@ -248,9 +276,17 @@ def _actions(section: str) -> dict[str, dict[str, tuple[int, str]]]:
     }
 
 
-def rename(unit: Unit, prefix: str, *, top_class: str, outward: Mapping[str, str] = _NOTHING) -> UnitNames:
+def rename(
+    unit: Unit,
+    prefix: str,
+    *,
+    top_class: str,
+    outward: Mapping[str, str] = _NOTHING,
+    reasons: _Reasons | None = None,
+) -> UnitNames:
     """Prefix the names of a unit in place, in the only walk over every element of every part, and return them."""
-    names = UnitNames(prefix, outward)
+    reasons = reasons or _Reasons(unit)
+    names = UnitNames(prefix, outward, reasons)
     for section in unit.root.iterchildren("*"):
         names.take(section)
     # MuJoCo 4.0 refuses `<composite>`, which older models have; its `prefix` names the elements that it makes.
@@ -265,5 +301,5 @@ def rename(unit: Unit, prefix: str, *, top_class: str, outward: Mapping[str, str
         if names.referred[namespace].pop(name, None) is not None and name != final:
             for section in unit.root.iterchildren("*"):
                 for element, key in users(section, namespace, name):
-                    journal.write(element, key, final)
+                    journal.write(element, key, final, reasons.top_class)
     return names

@@ -19,7 +19,6 @@ from mjcompose.compose.keyframe import hold_poses
 from mjcompose.language.assign import MASS
 from mjcompose.link import numbers
 from mjcompose.link.agreement import agreement
-from mjcompose.link.angles import angles
 from mjcompose.link.bodies import bodies
 from mjcompose.link.collect import collect
 from mjcompose.link.defaults import defaults
@@ -29,7 +28,6 @@ from mjcompose.link.inertia import has_mass
 from mjcompose.link.keyframes import keyframes
 from mjcompose.link.link import row_of
 from mjcompose.link.linking import Part
-from mjcompose.link.names import names
 from mjcompose.link.replicates import replicates
 from mjcompose.link.settings import compiler, model_autolimits
 from mjcompose.link.submodels import submodel_options, submodels
@@ -41,7 +39,7 @@ from mjcompose.plan.steps import DrawValues, EditElements, Step
 from mjcompose.text.node import find, locate
 from mjcompose.trace.explanation import Reason, RowExplained
 from mjcompose.trace.trace import AttributeChange, Function, Life, NumberOrigin, ParentChange, Trace, TracedOperation
-from mjcompose.tree.classes import MAIN, ORIENTATIONS, Classes, childclass_of, class_in_force, own
+from mjcompose.tree.classes import ORIENTATIONS, Classes, childclass_of, own
 from mjcompose.tree.files import read_settings
 from mjcompose.tree.grammar import GRAMMAR, ElementType
 from mjcompose.tree.journal import PARENT, Why
@@ -160,33 +158,6 @@ class Causes:
     def setting(self, unit: Unit, name: str) -> Span | None:
         life = self.trace.written(unit, "compiler", name)
         return None if life is None else life.span(unit.origins, name)
-
-    def _names(self, life: Life, change: AttributeChange) -> Reason | None:
-        part = change.cause.part
-        span = change.cause.part.span if change.cause.part else None
-        if change.after is not None and change.before is None and change.attribute == "name":
-            return Reason("named after its file, with the prefix of the part", span)
-        if part is not None and change.after == part.prefix + (change.before or ""):
-            return Reason(f"prefix of the part `{part.called}`", part.span)
-        if change.before == MAIN and change.attribute in ("class", "childclass"):
-            return Reason(_CALLED.format(_file(change.cause.unit)))
-        return Reason(f"names of the part `{part.called}`" if part else "names of the base", span)
-
-    def _angles(self, life: Life, change: AttributeChange) -> Reason | None:
-        unit = change.cause.unit
-        linking = change.cause.linking
-        sequence = None if linking is None else linking.base.settings.eulerseq
-        if change.attribute in ORIENTATIONS and unit.settings.eulerseq != sequence:
-            words = f"{_file(unit)} reads angles in the sequence `{unit.settings.eulerseq}`, the model does not"
-            return Reason(words, self.setting(unit, "eulerseq"))
-        span = self.setting(unit, "angle")
-        degrees = f"{_file(unit)} is in degrees" + ("" if span else ", MJCF's default")
-        if change.before is None:
-            given = Classes(life.node.getroottree().getroot()).get(class_in_force(life.node).name)
-            found = given.lookup("joint", change.attribute)
-            span = None if found is None else self.trace.life(found[1]).span(unit.origins, change.attribute)
-            return Reason(f"its class gives it to joints that slide too; in radians here, {degrees}", span)
-        return Reason(f"degrees → radians: {degrees}, the model in radians", span)
 
     def _unrolled(self, life: Life, change: AttributeChange) -> Reason:
         words = f"a copy by the `<replicate>` of {_file(change.cause.unit)}, written out"
@@ -385,8 +356,6 @@ def _named_or(words: str) -> Words:
 
 
 CHANGES: dict[Function | None, Words] = {
-    names: Causes._names,
-    angles: Causes._angles,
     submodel_options: _ADOPTED,
     agreement: Causes._agreement,
     **dict.fromkeys((files, submodels, add_file), _named_or("where the bundle has the file")),
