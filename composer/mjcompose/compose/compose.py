@@ -51,7 +51,7 @@ from mjcompose.link.boundaries import crossings
 from mjcompose.link.collect import check_files
 from mjcompose.link.delays import delays
 from mjcompose.link.excerpt import Excerpt
-from mjcompose.link.files import SHARED, Merged, add_file, dedup, share_in_copies
+from mjcompose.link.files import IN_BUNDLE, SHARED, Merged, add_file, dedup, share_in_copies
 from mjcompose.link.key_layout import joint_type
 from mjcompose.link.link import finish, link
 from mjcompose.link.linking import AddedElement, FileUse, Linking, LinkRequest, ModelMeasure, common_angle
@@ -83,6 +83,7 @@ from mjcompose.text.node import locate
 from mjcompose.tree import journal
 from mjcompose.tree.classes import MAIN
 from mjcompose.tree.cost import check_size, written
+from mjcompose.tree.journal import explained
 from mjcompose.tree.merged_settings import Adopted
 from mjcompose.tree.unit import Unit, Watch, nobody
 from mjcompose.tree.values import NotMjcf
@@ -566,8 +567,9 @@ def _carry_out(plan: Plan, linking: Linking, making: ElementBuilder, early: Mapp
     linking.watch(linking.units, check_names)
     for part in plan.parts:
         check_joints(part, linking, making)
-    for node, attribute, name in making.files:
-        add_named_file(linking, making.named_file(node, attribute, name))
+    with explained(IN_BUNDLE):
+        for node, attribute, name in making.files:
+            add_named_file(linking, making.named_file(node, attribute, name))
     if making.files:
         linking.watch(linking.units, add_file)
     making.files.clear()

@@ -13,10 +13,14 @@ from mjcompose.base.files import Refused, read_regular
 from mjcompose.base.limits import advice, in_force, written
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import closest
+from mjcompose.link.files import NAMED_AFTER
 from mjcompose.link.linking import FileUse
 from mjcompose.tree import journal, xml_faults
 from mjcompose.tree.files import NAMED_AFTER_FILE, in_archive, stem
+from mjcompose.tree.journal import because
 from mjcompose.tree.unit import Unit
+
+_STORED = because("a file with the same bytes is in the bundle already")
 
 
 def collect(model: Unit, uses: Iterable[FileUse], sink: Sink, shown: Callable[[Path], str] = str) -> dict[str, bytes]:
@@ -47,8 +51,8 @@ def collect(model: Unit, uses: Iterable[FileUse], sink: Sink, shown: Callable[[P
         if (path := paths[use.path]) is None or path == use.path:
             continue
         if use.element.tag in NAMED_AFTER_FILE and not use.element.get("name"):
-            journal.write(use.element, "name", stem(use.path))
-        journal.write(use.element, use.attribute, path)
+            journal.write(use.element, "name", stem(use.path), NAMED_AFTER)
+        journal.write(use.element, use.attribute, path, _STORED)
     return files
 
 

@@ -29,6 +29,7 @@ from mjcompose.tree.files import (
     written_path,
 )
 from mjcompose.tree.grammar import GRAMMAR, Attribute
+from mjcompose.tree.journal import because, explained
 from mjcompose.tree.names import LISTS, REFERS, REFERS_BY, WORLD, declaration, naming_table, object_namespace
 from mjcompose.tree.unit import Unit
 
@@ -41,6 +42,11 @@ _NO_MEANING = ("name", "class")
 
 Merged = Mapping[str, Mapping[str, str]]
 """By kind: each removed name with its replacement."""
+
+NAMED_AFTER = because("named after its file")
+IN_BUNDLE = because("where the bundle has the file")
+_SHARED = because("the copies of the part share it")
+_EQUAL = because("an equal one of another part is used")
 
 
 def dedup(model: Unit, uses: Sequence[FileUse], prefixes: Collection[str]) -> tuple[Merged, tuple[FileUse, ...]]:
@@ -101,10 +107,11 @@ def _merge(
             found.parts.add(part)
             merged[kind][name] = found.name
             gone[element] = None
-    if gone:
-        _redirect(model.root, merged)
-    for element in gone:
-        journal.remove(element)
+    with explained(_EQUAL if copies is None else _SHARED):
+        if gone:
+            _redirect(model.root, merged)
+        for element in gone:
+            journal.remove(element)
     names = {kind: names for kind, names in merged.items() if names}
     return names, tuple(use for use in uses if use.element not in gone)
 
@@ -207,9 +214,10 @@ def files(linking: Linking) -> None:
     """Store each file as `assets/LABEL/path`. Units with the same label share a folder unless their paths clash."""
     # Parts of one source share its files: only the same bytes share a path.
     taken: Taken = {}
-    for prefix, unit in [("", linking.base), *((part.prefix, part.unit) for part in linking.parts)]:
-        if named := list(file_attributes(unit.root)):
-            _give_paths(linking, unit, prefix, named=named, taken=taken)
+    with explained(IN_BUNDLE):
+        for prefix, unit in [("", linking.base), *((part.prefix, part.unit) for part in linking.parts)]:
+            if named := list(file_attributes(unit.root)):
+                _give_paths(linking, unit, prefix, named=named, taken=taken)
 
 
 def _give_paths(linking: Linking, unit: Unit, prefix: str, named: list[tuple[Node, str, str]], taken: Taken) -> None:
@@ -257,7 +265,7 @@ def set_path(element: Node, attribute: str, path: str, written: str) -> None:
     """Give an element the new path of a file; an asset that MuJoCo names after the `written` path keeps that name."""
     is_named_after_file = element.tag in NAMED_AFTER_FILE and attribute == "file" and not element.get("name")
     if is_named_after_file and stem(written) != stem(path):
-        journal.write(element, "name", stem(written))
+        journal.write(element, "name", stem(written), NAMED_AFTER)
     journal.write(element, attribute, path)
 
 

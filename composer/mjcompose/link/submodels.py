@@ -34,6 +34,7 @@ from mjcompose.link.unit_keys import remove_keys
 from mjcompose.tree import journal
 from mjcompose.tree.cost import NOTHING, Weight, expanded
 from mjcompose.tree.files import FromFolder, file_attributes, is_recipe, join, written_path
+from mjcompose.tree.journal import because, explained
 from mjcompose.tree.mesh_cost import file_points, mesh_points
 from mjcompose.tree.parse import parse_file, parse_text
 from mjcompose.tree.unit import Unit, line_of, set_line
@@ -73,6 +74,8 @@ def _size_of(unit: Unit, file: str, known: dict[str, Weight], depth: int) -> Wei
     return known[key]
 
 
+_IN_BUNDLE = because("where the bundle has the model")
+
 # MuJoCo merges all of `option`, and these.
 _BESIDES = frozenset({"visual/global/realtime", "visual/map/znear", "visual/map/zfar"})
 
@@ -89,6 +92,8 @@ def _adopt_options(unit: Unit) -> None:
     # Without it MuJoCo 4.0 only warns: "parent has 0.002 (default), child has 0.004, keeping parent value".
     if not compilers or compilers[-1].get("conflict") != "merge":
         return
+    words = f'required by a model that {unit.file_name} attaches, under its `conflict="merge"`'
+    why = because(words, unit.setting_place("conflict"))
     models: dict[str, Unit] = {}
     for element in unit.root.iterfind("asset/model"):
         sub = _read(unit, str(element.get("file") or ""))
@@ -97,7 +102,8 @@ def _adopt_options(unit: Unit) -> None:
             models[str(element.get("name") or sub.model)] = sub
     for attach in unit.root.iter("attach"):
         if (sub := models.get(str(attach.get("model")))) is not None:
-            _merge(unit, sub, compilers[-1])
+            with explained(why):
+                _merge(unit, sub, compilers[-1])
 
 
 def _read(unit: Unit, file: str) -> Unit | None:
@@ -142,7 +148,7 @@ def submodels(linking: Linking) -> None:
             file = element.get("file")
             if file:
                 bundler = _Bundler(linking, keyed=policy != "none")
-                with suppress(_TooManyError):
+                with suppress(_TooManyError), explained(_IN_BUNDLE):
                     bundler.bundle(unit, element, str(file), folder=f"{ASSETS}/{portable_step(unit.label)}/models")
 
 
@@ -204,7 +210,7 @@ class _Bundler(Struct):
         # MuJoCo names a `<model>` without a name after the `model` attribute in its file. Written here, the name stays
         # when the file gets another path.
         if not element.get("name"):
-            journal.write(element, "name", sub.model)
+            journal.write(element, "name", sub.model, because("named by the `model` of its file"))
         path = self._free(f"{folder}/{portable_step(sub.label)}" + ("" if self.keyed else "-without-keys"), source)
         if not self.keyed:
             remove_keys(sub.root)

@@ -23,14 +23,13 @@ from mjcompose.link.bodies import bodies
 from mjcompose.link.collect import collect
 from mjcompose.link.defaults import defaults
 from mjcompose.link.delays import delays
-from mjcompose.link.files import add_file, dedup, files, share_in_copies
+from mjcompose.link.files import add_file, dedup, share_in_copies
 from mjcompose.link.inertia import has_mass
 from mjcompose.link.keyframes import keyframes
 from mjcompose.link.link import row_of
 from mjcompose.link.linking import Part
 from mjcompose.link.replicates import replicates
 from mjcompose.link.settings import compiler, model_autolimits
-from mjcompose.link.submodels import submodel_options, submodels
 from mjcompose.link.subtree import Subtree
 from mjcompose.link.world import sections
 from mjcompose.mujoco.attributes import attributes as compared
@@ -338,30 +337,12 @@ def _as(words: str) -> Words:
     return lambda causes, life, change: Reason(words)
 
 
-def _by_setting(name: str, words: str) -> Words:
-    return lambda causes, life, change: Reason(
-        words.format(_file(change.cause.unit)), causes.setting(change.cause.unit, name)
-    )
-
-
-_ADOPTED = _by_setting("conflict", 'required by a model that {} attaches, under its `conflict="merge"`')
-
-
 def _at_its_place(words: str) -> Words:
     return lambda causes, life, change: Reason(words, owned(change.owner, change.attribute))
 
 
-def _named_or(words: str) -> Words:
-    return lambda causes, life, change: Reason("named after its file" if change.attribute == "name" else words)
-
-
 CHANGES: dict[Function | None, Words] = {
-    submodel_options: _ADOPTED,
     agreement: Causes._agreement,
-    **dict.fromkeys((files, submodels, add_file), _named_or("where the bundle has the file")),
-    collect: _named_or("a file with the same bytes is in the bundle already"),
-    share_in_copies: _as("the copies of the part share it"),
-    dedup: _as("an equal one of another part is used"),
     defaults: Causes._defaults,
     compiler: Causes._compiler,
     keyframes: _as("laid out anew for the whole model"),
@@ -371,7 +352,6 @@ CHANGES: dict[Function | None, Words] = {
 }
 MADE: dict[Function | None, Words] = {
     replicates: Causes._unrolled,
-    submodel_options: _ADOPTED,
     agreement: Causes._agreement_made,
     defaults: Causes._defaults_made,
     bodies: Causes._bodies_made,
