@@ -21,6 +21,7 @@ from mjcompose.tree import journal
 from mjcompose.tree.classes import text_in_effect
 from mjcompose.tree.files import file_attributes
 from mjcompose.tree.grammar import GRAMMAR
+from mjcompose.tree.journal import because, explained
 from mjcompose.tree.merged_settings import Adopted
 from mjcompose.tree.select import kind_of
 from mjcompose.tree.unit import Unit
@@ -210,7 +211,7 @@ def agreement(linking: Linking) -> None:
         for path, given in disagreed.items():
             owner, first = given[0]
             model[path] = first._replace(parts=(owner,))
-    wishes = [(part, [*_wishes(linking, wanted, model, common=common)]) for part, wanted in requests]
+    wishes = [(part, [*_wishes(linking, part, wanted, model, common=common)]) for part, wanted in requests]
     conflicts = [wish for _, of_part in wishes for wish in of_part if wish.settled is None]
     for part, of_part in wishes:
         if merged := [wish for wish in of_part if wish.settled is not None]:
@@ -222,7 +223,7 @@ def agreement(linking: Linking) -> None:
 
 
 def _wishes(
-    linking: Linking, requested: Opinions, model: dict[str, WrittenSetting], common: Mapping[str, Adopted]
+    linking: Linking, part: Part, requested: Opinions, model: dict[str, WrittenSetting], common: Mapping[str, Adopted]
 ) -> Iterator[_Wish]:
     """Yield settings of a part that the model lacks after common ones are written. Later parts see merged values."""
     for path, wanted in requested.items():
@@ -231,7 +232,9 @@ def _wishes(
         if path in common:
             adopted = common[path]
             if adopted.is_written:
-                element = set_value(linking.base, path, adopted.value)
+                words = f"adopted from {', '.join(adopted.parts)}: neither base nor recipe writes it"
+                with explained(because(words, adopted.at)):
+                    element = set_value(linking.base, path, adopted.value)
                 linking.base.origins.settings.setdefault(element, {})[path.rsplit("/", 1)[1]] = adopted.at
             continue
         have = model.get(path)
@@ -241,7 +244,8 @@ def _wishes(
         settled = merge_values(path, have, wanted) if linking.request.conflict == "mujoco" else None
         yield _Wish(path, wanted, have, settled=settled)
         if settled is not None:
-            set_value(linking.base, path, settled)
+            with explained(because(f"required by the part `{part.called}`", wanted.span)):
+                set_value(linking.base, path, settled)
             model[path] = wanted._replace(value=settled)
 
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from itertools import dropwhile, takewhile
 
 from lxml.etree import _Element as Node
 
-from mjcompose.base.diagnostic import Cause, Note
+from mjcompose.base.diagnostic import Cause, Note, Span
 from mjcompose.base.rotation import Pose, normalize, rotate
 from mjcompose.base.words import element_text
 from mjcompose.link import numbers
@@ -19,6 +20,7 @@ from mjcompose.link.measure import KeyFiller
 from mjcompose.link.unit_keys import VECTORS, final_layout, keys_of, measure_references_again, reshaped_flexes
 from mjcompose.tree import journal
 from mjcompose.tree.classes import ORIENTATIONS
+from mjcompose.tree.journal import Why, because, explained
 from mjcompose.tree.unit import (
     KeyRecord,
     KeyValues,
@@ -236,7 +238,24 @@ def keyframes(linking: Linking) -> None:
         measure_references_again(linking, final)
     reference = KeyFiller(linking)
     for key in keys.values():
-        journal.place(linking.base.section("keyframe"), _element(linking, key, final, reference=reference))
+        with explained(_LAID_OUT):
+            section = linking.base.section("keyframe")
+        with explained(_why_written(key)):
+            journal.place(section, _element(linking, key, final, reference=reference))
+
+
+_LAID_OUT = because("laid out anew for the whole model")
+
+
+def _why_written(key: KeyValues) -> Why:
+    owner = key.origins.owner(key.element, key.file)
+    count = 1 + len(key.others)
+    if not isinstance(owner, str):
+        place = owner if isinstance(owner, Span) else partial(owner, None)
+        return because("written in the recipe, laid out for the whole model", place)
+    if count > 1:
+        return because(f"{count} keys of that name merged, laid out for the whole model")
+    return _LAID_OUT
 
 
 def _element(linking: Linking, key: KeyValues, final: KeyLayout, reference: KeyFiller) -> Node:
@@ -260,7 +279,7 @@ def _element(linking: Linking, key: KeyValues, final: KeyLayout, reference: KeyF
     _warn_of_lost(linking, key, reference)
     linking.base.origins.keys[element] = record
     for source in (key.element, *key.others):
-        journal.note_source(element, source)
+        journal.note_source(element, source, _LAID_OUT)
     linking.base.origins.own(element, key.origins.owner(key.element, key.file))
     set_line(element, line_of(key.element))
     return element

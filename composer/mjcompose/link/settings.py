@@ -12,6 +12,7 @@ requests.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from functools import partial
 
 from lxml.etree import _Element as Node
 
@@ -21,6 +22,7 @@ from mjcompose.link.inertia import MEASURED
 from mjcompose.link.linking import Linking, MemoryRequest
 from mjcompose.tree import journal
 from mjcompose.tree.classes import through_frames, walk_bodies
+from mjcompose.tree.journal import because, explained
 from mjcompose.tree.unit import Unit, line_of, set_line
 from mjcompose.tree.values import parse_int
 
@@ -113,40 +115,54 @@ def compiler(linking: Linking) -> None:
     # The last `<compiler>` counts, even for elements above it: in MuJoCo 4.0 `<joint ref="90"/>` between
     # `<compiler angle="radian"/>` and `<compiler angle="degree"/>` has a reference of 1.5708.
     settings = list(root.iterchildren("compiler"))
-    written = {str(name): str(value) for element in settings for name, value in element.items()}
-    children = [child for element in settings for child in element]
+    element = root.makeelement("compiler")
+    for each in settings:
+        for name, value in each.items():
+            place = linking.base.origins.lasting_place(each, linking.base.file, str(name))
+            journal.write(element, str(name), str(value), because("", place))
+    children = [child for each in settings for child in each]
     line = next(map(line_of, settings), None)
     owner = linking.base.origins.owner(settings[0], linking.base.file) if settings else None
-    for element in settings:
-        journal.remove(element)
-    _settle(written, linking)
-    if not written and not children:
+    for each in settings:
+        journal.remove(each)
+    _settle(element, linking)
+    if not element.attrib and not children:
         return
-    element = root.makeelement("compiler", written)
     _append_once(element, children)
     if owner is not None:
         linking.base.origins.own(element, owner)
         set_line(element, line)
     for replaced in settings:
         journal.note_source(element, replaced)
-    if at is None:
-        linking.base.insert(element)
-    else:
-        journal.place(root, element, at)
+    with explained(_OF_THE_BASE if len(settings) == 1 else _FOR_ALL):
+        if at is None:
+            linking.base.insert(element)
+        else:
+            journal.place(root, element, at)
 
 
-def _settle(written: dict[str, str], linking: Linking) -> None:
+_OF_THE_BASE = because("the base's settings, which apply to every part")
+_FOR_ALL = because("the settings that hold for every part")
+_BY_BUNDLE_PATH = because("every file is named by its path in the bundle")
+_EXPLICIT = because("made explicit on the elements that it affects, so it does not reach other parts")
+_EXPLICIT_LIMITS = because("made explicit where it matters")
+
+
+def _settle(compiler: Node, linking: Linking) -> None:
     """Turn the base's settings of `<compiler>` into the settings of the whole model."""
     # All files have their whole path below `assets/`. MuJoCo 4.0 would put `meshdir`, or without it `assetdir`, before
     # the path of every mesh, in whatever order the two are written.
-    for name in (*FOLDERS, *(_NOT_KEPT if linking.composed else ())):
-        written.pop(name, None)
+    for name in FOLDERS:
+        journal.drop(compiler, name, _BY_BUNDLE_PATH)
+    for name in _NOT_KEPT if linking.composed else ():
+        journal.drop(compiler, name, _EXPLICIT)
     if linking.composed and linking.notes.aligned:
-        written["alignfree"] = "true"
+        journal.write(compiler, "alignfree", "true", because("kept for the free joints that cannot say it themselves"))
     if linking.parts:
-        written["angle"] = linking.angle
+        if compiler.get("angle") != linking.angle:
+            journal.write(compiler, "angle", linking.angle, because(f"one unit for all parts: {linking.angle}s"))
         if model_autolimits(linking) == "true":
-            written.pop("autolimits", None)
+            journal.drop(compiler, "autolimits", _EXPLICIT_LIMITS)
 
 
 def _append_once(element: Node, children: Iterable[Node]) -> None:
@@ -175,7 +191,9 @@ def merge_sizes(linking: Linking) -> None:
     for part in linking.parts:
         for section in part.unit.root.iterchildren("size"):
             for name, value in section.items():
-                _enlarge(linking, str(name), str(value))
+                place = partial(linking.span, part.unit, section, str(name))
+                with explained(because(f"required by the part `{part.called}`", place)):
+                    _enlarge(linking, str(name), str(value))
     sizes = list(linking.base.root.iterchildren("size"))
     for size in sizes:
         _widen(linking, size)
@@ -194,7 +212,9 @@ def _widen(linking: Linking, size: Node) -> None:
         if width >= 0:
             holders = (holder for unit in linking.units for holder in _with_user(unit, name))
             widths = (len(str(holder.get("user") or "").split()) for holder in holders)
-            journal.write(size, name, str(max([width, *widths])))
+            widest = str(max([width, *widths]))
+            if widest != text:
+                journal.write(size, name, widest, because("enough for all parts"))
 
 
 def _remove_all_but_memory(linking: Linking, size: Node) -> None:
@@ -204,7 +224,7 @@ def _remove_all_but_memory(linking: Linking, size: Node) -> None:
         if own is None:
             continue
         span = linking.span(linking.base, size, name)
-        journal.drop(size, name)
+        journal.drop(size, name, because("only one of these settings may be written"))
         for part in linking.parts:
             for section in part.unit.root.iterchildren("size"):
                 if section.get(name) == own:

@@ -20,7 +20,7 @@ from mjcompose.tree import journal
 from mjcompose.tree.classes import childclass_of, text_in_effect, through_frames
 from mjcompose.tree.edit import whole
 from mjcompose.tree.grammar import GRAMMAR
-from mjcompose.tree.journal import because
+from mjcompose.tree.journal import because, explained
 from mjcompose.tree.names import WORLD, users
 from mjcompose.tree.parse import above
 from mjcompose.tree.unit import Unit
@@ -378,6 +378,9 @@ def _warn(linking: Linking, part: Part, element: Node, what: str, help: str) -> 
     linking.sink.warning("world-frame", message, linking.span(part.unit, element), help=help)
 
 
+_BRINGS = because("contains elements of the parts")
+
+
 def sections(linking: Linking) -> None:
     for part in linking.parts:
         for section in list(part.unit.root):
@@ -386,14 +389,16 @@ def sections(linking: Linking) -> None:
                 _extension(linking, part, section)
             elif tag in _APPENDED and next(section.iterchildren("*"), None) is not None:
                 # MuJoCo reads several sections of one tag as one, so any of them can receive it.
-                target = linking.base.section(tag)
+                with explained(_BRINGS):
+                    target = linking.base.section(tag)
                 elements = [*above(section, part.unit.header), *section]
                 linking.base.origins.own_all(elements, part.unit.origins.owner(section, part.unit.file))
                 journal.place_all(target, elements)
 
 
 def _extension(linking: Linking, part: Part, section: Node) -> None:
-    target = linking.base.section("extension")
+    with explained(_BRINGS):
+        target = linking.base.section("extension")
     known = {element.get("plugin"): element for element in linking.base.root.iterfind("extension/plugin")}
     for plugin in list(section.iterchildren("*")):
         existing = known.get(plugin.get("plugin"))

@@ -131,19 +131,26 @@ class NetChange(NamedTuple):
         return self.before is not self.after and self.before != self.after
 
 
+class Source(NamedTuple):
+    """An element that a new one replaces or copies, and the reason why the new one differs from it."""
+
+    node: Node
+    why: Why | None
+
+
 class RecordSummary:
     """The sum of a record: changes by element and attribute, `TAG` or `PARENT`, and the sources of new elements."""
 
     def __init__(self, record: Iterable[journal.TreeChange]) -> None:
         self.changes: dict[Node, dict[str, NetChange]] = {}
-        self.sources: dict[Node, list[Node]] = {}
+        self.sources: dict[Node, list[Source]] = {}
         for change in record:
             is_element = isinstance(change.node.tag, str)  # a comment has a function
             if not is_element:
                 continue
             if change.what == SOURCE:
                 assert change.after is not None and not isinstance(change.after, str)
-                self.sources.setdefault(change.node, []).append(change.after)
+                self.sources.setdefault(change.node, []).append(Source(change.after, change.why))
                 continue
             rows = self.changes.setdefault(change.node, {})
             known = rows.get(change.what)
@@ -298,13 +305,14 @@ class Trace:
             for each in life.node.iter("*"):
                 self.lives[each].home = top
 
-    def _note_sources(self, life: Life, sources: list[Node]) -> None:
+    def _note_sources(self, life: Life, sources: list[Source]) -> None:
         """Link an element that a pass wrote again to the elements that it replaces."""
         if life.made_by is None or not life.made_by.is_pass:
             return
-        life.sources += [self.lives[source] for source in sources if source in self.lives]
-        if len(life.sources) == 1:
-            life.changes += _differences(dict(life.sources[0].items), life)
+        known = [source for source in sources if source.node in self.lives]
+        life.sources += [self.lives[source.node] for source in known]
+        if len(known) == 1:
+            life.changes += _differences(dict(life.sources[0].items), life, known[0].why)
 
     def life(self, node: Node) -> Life:
         return self.lives[node]
@@ -350,14 +358,14 @@ class Trace:
         return self._indexed[1]
 
 
-def _differences(before: dict[str, str], life: Life) -> Iterator[AttributeChange]:
+def _differences(before: dict[str, str], life: Life, why: Why | None) -> Iterator[AttributeChange]:
     """Yield the changes from another element to a new one that replaces it, with the reasons of the new one."""
     assert life.made_by is not None
     after = life.attributes
     for name in {**before, **after}:
         if before.get(name) != after.get(name):
-            why = life.whys.get(name) or life.whys.get(PARENT)
-            yield AttributeChange(name, before.get(name), after.get(name), life.made_by, life.owner, why)
+            own = why or life.whys.get(name) or life.whys.get(PARENT)
+            yield AttributeChange(name, before.get(name), after.get(name), life.made_by, life.owner, own)
 
 
 class _Carriers:

@@ -7,7 +7,6 @@ It also finds the attributes that determine a value that MJCF writes elsewhere: 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import replace
 
 from lxml.etree import _Element as Node
 
@@ -18,7 +17,6 @@ from mjcompose.compose.elements import settle_joints
 from mjcompose.compose.keyframe import hold_poses
 from mjcompose.language.assign import MASS
 from mjcompose.link import numbers
-from mjcompose.link.agreement import agreement
 from mjcompose.link.bodies import bodies
 from mjcompose.link.collect import collect
 from mjcompose.link.defaults import defaults
@@ -29,7 +27,7 @@ from mjcompose.link.keyframes import keyframes
 from mjcompose.link.link import row_of
 from mjcompose.link.linking import Part
 from mjcompose.link.replicates import replicates
-from mjcompose.link.settings import compiler, model_autolimits
+from mjcompose.link.settings import compiler
 from mjcompose.link.subtree import Subtree
 from mjcompose.link.world import sections
 from mjcompose.mujoco.attributes import attributes as compared
@@ -136,7 +134,6 @@ _OF_OTHERS: dict[object, str] = {
 
 
 _CALLED = "the top class of {} is called that here"
-_FOLDERS = ("meshdir", "texturedir", "assetdir", "strippath")
 _COMPUTED = {
     "mate": "computed from `mate`, to meet the place",
     "mirror": "computed: the mirror image of another part",
@@ -162,29 +159,6 @@ class Causes:
         words = f"a copy by the `<replicate>` of {_file(change.cause.unit)}, written out"
         return Reason(words, of_step(change.cause, life.owner, None).span)
 
-    def _agreement(self, life: Life, change: AttributeChange) -> Reason | None:
-        linking = change.cause.linking
-        if linking is None or change.after is None:
-            return Reason("only one of these settings may be written")
-        above = [str(each.tag) for each in life.node.iterancestors()][-2::-1]
-        wanted = "/".join([*above, life.tag, change.attribute]), change.after
-        for adopted in (each for each in linking.base.adopted if (each.path, each.value) == wanted):
-            words = f"adopted from {', '.join(adopted.parts)}: neither base nor recipe writes it"
-            return Reason(words, adopted.span)
-        for part in linking.parts:
-            for other in filter(None, map(self.trace.lives.get, part.unit.root.iter(life.tag))):
-                if other.attributes.get(change.attribute) == change.after:
-                    span = other.span(part.unit.origins, change.attribute)
-                    return Reason(f"required by the part `{part.called}`", span)
-        return Reason("enough for all parts")
-
-    def _agreement_made(self, life: Life, change: AttributeChange) -> Reason:
-        for name, value in life.attributes.items():
-            reason = self._agreement(life, replace(change, attribute=str(name), after=str(value)))
-            if reason:
-                return reason
-        return Reason("settings that the parts require")
-
     def _defaults(self, life: Life, change: AttributeChange) -> Reason | None:
         file = _file(change.cause.unit)
         is_new = change.before is None
@@ -197,12 +171,6 @@ class Causes:
         top = (each for each in self.trace.lives.values() if each.root is unit.root and each.parent is unit.root)
         first = next((each for each in top if each.tag == "default" and not each.made_by), None)
         return Reason(f"the top class of {_file(unit)}", None if first is None else first.span(unit.origins))
-
-    def _compiler_value(self, life: Life, change: AttributeChange) -> Reason | None:
-        for source in life.sources:
-            if source.attributes.get(change.attribute) == change.after:
-                return Reason("", source.span(change.cause.unit.origins, change.attribute))
-        return self._compiler(life, change)
 
     def _defaults_value(self, life: Life, change: AttributeChange) -> Reason | None:
         if change.attribute == "class" and change.cause.part is not None:
@@ -246,28 +214,6 @@ class Causes:
         if life.tag == "body":
             return Reason(f"a body for the joint between the part `{part.called}` and its place", part.span)
         return Reason(f"joins the part `{part.called}` to its place", part.span)
-
-    def _compiler(self, life: Life, change: AttributeChange) -> Reason | None:
-        linking = change.cause.linking
-        if change.attribute in _FOLDERS:
-            return Reason("every file is named by its path in the bundle")
-        if change.attribute == "angle" and linking is not None:
-            return Reason(f"one unit for all parts: {linking.angle}s")
-        if change.attribute == "autolimits" and linking is not None and model_autolimits(linking) == "true":
-            return Reason("made explicit where it matters")
-        return Reason("made explicit on the elements that it affects, so it does not reach other parts")
-
-    def _compiler_made(self, life: Life, change: AttributeChange) -> Reason:
-        if len(life.sources) == 1:
-            return Reason("the base's settings, which apply to every part")
-        return Reason("the settings that hold for every part")
-
-    def _keyframes_made(self, life: Life, change: AttributeChange) -> Reason:
-        if not isinstance(life.owner, str):
-            return Reason("written in the recipe, laid out for the whole model", owned(life.owner, None))
-        if len(life.sources) > 1:
-            return Reason(f"{len(life.sources)} keys of that name merged, laid out for the whole model")
-        return Reason("laid out anew for the whole model")
 
     def _worded(self, table: dict[Function | None, Words], life: Life, change: AttributeChange) -> Reason | None:
         words = table.get(change.cause.function)
@@ -342,27 +288,18 @@ def _at_its_place(words: str) -> Words:
 
 
 CHANGES: dict[Function | None, Words] = {
-    agreement: Causes._agreement,
     defaults: Causes._defaults,
-    compiler: Causes._compiler,
-    keyframes: _as("laid out anew for the whole model"),
     settle_joints: _at_its_place("written in the recipe, in the model's unit of angle"),
     hold_poses: _at_its_place("computed to hold the pose of the key"),
     check_names: _as("`main` is called that here: the top class of the base"),
 }
 MADE: dict[Function | None, Words] = {
     replicates: Causes._unrolled,
-    agreement: Causes._agreement_made,
     defaults: Causes._defaults_made,
     bodies: Causes._bodies_made,
-    compiler: Causes._compiler_made,
-    keyframes: Causes._keyframes_made,
-    sections: _as("contains elements of the parts"),
 }
 VALUES: dict[Function | None, Words] = {
-    agreement: Causes._agreement,
     bodies: Causes._bodies_value,
-    compiler: Causes._compiler_value,
     defaults: Causes._defaults_value,
 }
 

@@ -164,6 +164,6 @@ def remove(node: Node, why: Why | None = None) -> None:
 
 
 def note_source(node: Node, source: Node, why: Why | None = None) -> None:
-    """Record that a new element replaces or copies another element."""
+    """Record that a new element replaces or copies another element, and why it differs from it."""
     if (record := _record()) is not None:
         _append(record, node, SOURCE, None, source, why)
