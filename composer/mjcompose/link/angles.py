@@ -269,6 +269,10 @@ def in_world(linking: Linking) -> Iterator[Flex]:
             yield flex
 
 
+_FOR_FLEX = because("MuJoCo takes the joint settings of a flex in the world from the top class alone")
+_UNDONE = because("undoes the joint settings of the top class, which are for a flex in the world")
+
+
 def keep_in_main(linking: Linking, top: Node) -> None:
     """Write the settings that a flex in the world needs into the top class. The classes of the units undo them."""
     kept = next((flex.joint for flex in in_world(linking) if flex.joint), None)
@@ -279,11 +283,11 @@ def keep_in_main(linking: Linking, top: Node) -> None:
         joint = next(wrapped.iterchildren("joint"), None)
         if joint is None:
             joint = wrapped.makeelement("joint")
-            journal.place(wrapped, joint, 0)
+            journal.place(wrapped, joint, 0, _UNDONE)
         for name, value in undo_settings(kept).items():
             if written(joint, name) is None:
-                journal.write(joint, name, value)
-    journal.place(top, top.makeelement("joint", linking.notes.main_joint), 0)
+                journal.write(joint, name, value, _UNDONE)
+    journal.place(top, top.makeelement("joint", linking.notes.main_joint), 0, _FOR_FLEX)
 
 
 def undo_settings(given: Mapping[str, str]) -> dict[str, str]:

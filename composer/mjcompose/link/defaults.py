@@ -22,10 +22,12 @@ from mjcompose.base.diagnostic import Note
 from mjcompose.base.sink import Sink
 from mjcompose.link.angles import in_world, keep_in_main
 from mjcompose.link.expansion import actuators_in_order, element_of
-from mjcompose.link.linking import Linking, shown_name
+from mjcompose.link.linking import Linking, Part, shown_name
+from mjcompose.link.names import called_here
 from mjcompose.tree import journal
 from mjcompose.tree.classes import MAIN, NESTED, Classes, DefaultClass, says_something
 from mjcompose.tree.grammar import GRAMMAR
+from mjcompose.tree.journal import Why, because, explained
 from mjcompose.tree.parse import above
 from mjcompose.tree.unit import Unit
 
@@ -47,7 +49,7 @@ def defaults(linking: Linking) -> None:
     for unit in linking.units:
         unit.forget_classes()
     if linking.base_class is not None:
-        own = _wrap(linking, base, linking.base_class)
+        own = _wrap(linking, base, None, linking.base_class)
         _claim_sections(base, linking.base_class, own | linking.request.isolated_tags)
         _claim_world(base, linking.base_class)
     if not linking.parts:
@@ -55,10 +57,11 @@ def defaults(linking: Linking) -> None:
     top = next(base.root.iterchildren("default"), None)
     if top is None:
         top = base.root.makeelement("default")
-        base.insert(top)
+        with explained(because("contains the default classes of the parts")):
+            base.insert(top)
     for part in linking.parts:
         top_class = linking.top_class(part.unit)
-        own = _wrap(linking, part.unit, top_class)
+        own = _wrap(linking, part.unit, part, top_class)
         _claim_sections(part.unit, top_class, own)
         for section in list(part.unit.root.iterchildren("default")):
             for wrapped in list(section):
@@ -104,7 +107,7 @@ def _top_kinds(root: Node) -> set[str]:
     return {str(each.tag) for each in rows if says_something(each)}
 
 
-def _wrap(linking: Linking, unit: Unit, name: str) -> set[str]:
+def _wrap(linking: Linking, unit: Unit, part: Part | None, name: str) -> set[str]:
     """Turn the unit's top class into the nested class `name`. Return the tags for which it sets attributes."""
     root = unit.root
     kinds = _top_kinds(root)
@@ -112,21 +115,27 @@ def _wrap(linking: Linking, unit: Unit, name: str) -> set[str]:
     if not sections:
         sections = [root.makeelement("default")]
         unit.insert(sections[0])
+        place = None
+    else:
+        place = unit.origins.lasting_place(sections[0], unit.file)
+    top_class = because(f"the top class of {unit.file_name}", place)
+    named = None if part is None else because("named after the part", part.span)
     outer: Node | None = None
     for at, section in enumerate(sections):
         last = at == len(sections) - 1
-        wrapped = root.makeelement("default", {"class": name if last else f"{name}{at + 1}"})
+        wrapped = root.makeelement("default")
+        journal.write(wrapped, "class", name if last else f"{name}{at + 1}", named)
         journal.place_all(wrapped, [*(above(section, unit.header) if unit is not linking.base else ()), *section])
         # The top class can only be called `main` ("cannot be renamed" in MuJoCo 4.0), and a nested one has to have a
         # name ("empty class name").
-        journal.drop(section, "class")
+        journal.drop(section, "class", because(called_here(unit)))
         if outer is None:
-            journal.place(section, wrapped)
+            journal.place(section, wrapped, why=top_class)
         else:
             # The settings of a later section do not reach the classes of an earlier one: MuJoCo 4.0 copies the parent
             # when it reads a class. In `<default><geom size=".1"/><default class="c"/></default>
             # <default><geom size=".2"/></default>` the class `c` has size 0.1.
-            journal.place(outer, wrapped)
+            journal.place(outer, wrapped, why=top_class)
             journal.remove(section)
         outer = wrapped
     assert outer is not None
@@ -138,6 +147,7 @@ def _claim_sections(unit: Unit, name: str, kinds: set[str]) -> None:
     """Set the top class on the elements outside the body tree that have no class of their own."""
     # Sensors, keys and exclusions have no class: `<clock class="main"/>` violates the schema of MuJoCo 4.0.
     if kinds:
+        why = _without_class(unit)
         for section in unit.root.iterchildren(*_CLASSED):
             tag = str(section.tag)
             tags = _CLASSED[tag] or ("*",)
@@ -147,20 +157,25 @@ def _claim_sections(unit: Unit, name: str, kinds: set[str]) -> None:
                 continue
             for element in section.iterchildren(*tags):
                 if element.get("class") is None:
-                    journal.write(element, "class", name)
+                    journal.write(element, "class", name, why)
+
+
+def _without_class(unit: Unit) -> Why:
+    return because(f"elements without a class have the top class of {unit.file_name}")
 
 
 def _claim_world(unit: Unit, name: str) -> None:
     """Set the top class on elements in the world without a class. Below a body, its `childclass` has this effect."""
     # The world itself cannot take a class: "World body cannot have attributes" in MuJoCo 4.0.
+    why = _without_class(unit)
     for worldbody in unit.root.iterchildren("worldbody"):
         for element in worldbody:
             tag = element.tag
             if tag in NESTED:
                 if not element.get("childclass"):
-                    journal.write(element, "childclass", name)
+                    journal.write(element, "childclass", name, why)
             elif tag in _TREE and element.get("class") is None:
-                journal.write(element, "class", name)
+                journal.write(element, "class", name, why)
 
 
 # All tags of actuators share one row of a class in MuJoCo 4.0: after `<default><position kp="50"/></default>` a

@@ -27,6 +27,7 @@ from mjcompose.link.numbers import orientation_radians
 from mjcompose.tree import journal
 from mjcompose.tree.cost import scaled_above
 from mjcompose.tree.files import read_settings
+from mjcompose.tree.journal import because, explained
 from mjcompose.tree.names import WORLD, NameIndex, declaration, naming_table
 from mjcompose.tree.unit import Unit
 
@@ -292,6 +293,13 @@ def _names_in(top: Node) -> Iterator[tuple[str, str]]:
 
 def _write_out(linking: Linking, unit: Unit, replicate: Node) -> None:
     """Replace the replicate by a frame for each copy. The names in it get the number of the copy."""
+    place = unit.origins.lasting_place(replicate, unit.file)
+    with explained(because(f"a copy by the `<replicate>` of {unit.file_name}, written out", place)):
+        _place_copies(linking, unit, replicate)
+    journal.remove(replicate, because("its copies are written out"))
+
+
+def _place_copies(linking: Linking, unit: Unit, replicate: Node) -> None:
     holder = replicate.getparent()
     assert holder is not None
     settings = read_settings(unit.root)
@@ -325,4 +333,3 @@ def _write_out(linking: Linking, unit: Unit, replicate: Node) -> None:
                 if name and (namespace, str(name)) in declared:
                     journal.write(node, attribute, f"{name}{end}")
         journal.place(holder, made, at + number)
-    journal.remove(replicate)

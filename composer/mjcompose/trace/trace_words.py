@@ -26,7 +26,6 @@ from mjcompose.link.inertia import has_mass
 from mjcompose.link.keyframes import keyframes
 from mjcompose.link.link import row_of
 from mjcompose.link.linking import Part
-from mjcompose.link.replicates import replicates
 from mjcompose.link.settings import compiler
 from mjcompose.link.subtree import Subtree
 from mjcompose.link.world import sections
@@ -133,7 +132,6 @@ _OF_OTHERS: dict[object, str] = {
 """The functions and classes that change models and are no passes."""
 
 
-_CALLED = "the top class of {} is called that here"
 _COMPUTED = {
     "mate": "computed from `mate`, to meet the place",
     "mirror": "computed: the mirror image of another part",
@@ -154,28 +152,6 @@ class Causes:
     def setting(self, unit: Unit, name: str) -> Span | None:
         life = self.trace.written(unit, "compiler", name)
         return None if life is None else life.span(unit.origins, name)
-
-    def _unrolled(self, life: Life, change: AttributeChange) -> Reason:
-        words = f"a copy by the `<replicate>` of {_file(change.cause.unit)}, written out"
-        return Reason(words, of_step(change.cause, life.owner, None).span)
-
-    def _defaults(self, life: Life, change: AttributeChange) -> Reason | None:
-        file = _file(change.cause.unit)
-        is_new = change.before is None
-        return Reason(f"elements without a class have the top class of {file}" if is_new else _CALLED.format(file))
-
-    def _defaults_made(self, life: Life, change: AttributeChange) -> Reason:
-        unit = change.cause.unit
-        if life.tag != "default" or "class" not in life.attributes:
-            return Reason("contains the default classes of the parts")
-        top = (each for each in self.trace.lives.values() if each.root is unit.root and each.parent is unit.root)
-        first = next((each for each in top if each.tag == "default" and not each.made_by), None)
-        return Reason(f"the top class of {_file(unit)}", None if first is None else first.span(unit.origins))
-
-    def _defaults_value(self, life: Life, change: AttributeChange) -> Reason | None:
-        if change.attribute == "class" and change.cause.part is not None:
-            return Reason("named after the part", change.cause.part.span)
-        return None
 
     def _bodies_value(self, life: Life, change: AttributeChange) -> Reason | None:
         """Return the reason for a value on the attachment of a part: the recipe's pose and joints, or the place."""
@@ -288,19 +264,15 @@ def _at_its_place(words: str) -> Words:
 
 
 CHANGES: dict[Function | None, Words] = {
-    defaults: Causes._defaults,
     settle_joints: _at_its_place("written in the recipe, in the model's unit of angle"),
     hold_poses: _at_its_place("computed to hold the pose of the key"),
     check_names: _as("`main` is called that here: the top class of the base"),
 }
 MADE: dict[Function | None, Words] = {
-    replicates: Causes._unrolled,
-    defaults: Causes._defaults_made,
     bodies: Causes._bodies_made,
 }
 VALUES: dict[Function | None, Words] = {
     bodies: Causes._bodies_value,
-    defaults: Causes._defaults_value,
 }
 
 

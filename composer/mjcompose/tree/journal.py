@@ -31,7 +31,7 @@ Why = Callable[[], Because | None]
 """Returns a reason. It is called only when somebody asks. None: the reason of the pass or step itself."""
 
 
-def because(words: str, place: Span | Callable[[], Span] | None = None) -> Why:
+def because(words: str, place: Span | Callable[[], Span | None] | None = None) -> Why:
     """Return a reason whose words are known already; its place may be a function, called only when somebody asks."""
     return lambda: Because(words, place() if callable(place) else place)
 

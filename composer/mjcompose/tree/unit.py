@@ -215,8 +215,13 @@ class Origins(Struct, frozen=False):
             return found
         return self.span_by(self.owner(element, default_file), element, attribute, key=key)
 
-    def lasting_place(self, element: Node, default_file: str, attribute: str | None = None) -> Callable[[], Span]:
-        """Return a function that returns the present place of an element, also after the element has changed."""
+    def lasting_place(
+        self, element: Node, default_file: str, attribute: str | None = None
+    ) -> Callable[[], Span] | None:
+        """Return a function that returns the present place of an element, also after the element has changed.
+
+        None for an element that is in no file.
+        """
         if attribute is not None and (found := self.settings.get(element, {}).get(attribute)) is not None:
             return found if callable(found) else lambda: found
         owner = self.owner(element, default_file)
@@ -224,8 +229,11 @@ class Origins(Struct, frozen=False):
             return lambda: owner
         if not isinstance(owner, str):
             return partial(owner, attribute)
+        line = line_of(element)
         written = {str(name): str(value) for name, value in element.items()}
-        return partial(self.in_file, owner, line_of(element), str(element.tag), written=written, attribute=attribute)
+        if line is None:
+            return None
+        return partial(self.in_file, owner, line, str(element.tag), written=written, attribute=attribute)
 
     def set_at(self, element: Node, attribute: str) -> Span | None:
         """Return where a program, a recipe or the linker has set an attribute; None for an attribute from its file."""
