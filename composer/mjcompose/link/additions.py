@@ -7,6 +7,7 @@ from lxml.etree import _Element as Node
 from mjcompose.link.linking import AddedElement, Linking, PlaceName
 from mjcompose.tree import journal
 from mjcompose.tree.classes import NESTED
+from mjcompose.tree.journal import because, explained
 
 _TAKING_CLASS = ("geom", "site", "camera", "light")
 
@@ -15,6 +16,15 @@ def holder_of(linking: Linking, addition: AddedElement) -> Node | None:
     """Return the element to which an addition goes, or None if it does not exist yet."""
     kind, name = addition.to
     return linking.base.section("worldbody") if kind == "world" else linking.names.find(kind, name)
+
+
+BRINGS = because("contains elements of the parts")
+
+
+def world_of(linking: Linking) -> Node:
+    """Return the world of the model; the base may have none yet."""
+    with explained(BRINGS):
+        return linking.base.section("worldbody")
 
 
 def waiting(linking: Linking, place: PlaceName) -> list[AddedElement]:

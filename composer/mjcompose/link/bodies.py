@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
+from functools import partial
 from heapq import heappop, heappush
 
 from lxml.etree import _Element as Node
@@ -11,7 +12,7 @@ from lxml.etree import _Element as Node
 from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.suggest import closest, exists_note, renaming
 from mjcompose.link import numbers
-from mjcompose.link.additions import hang, holder_of, later_names, outermost_target, waiting
+from mjcompose.link.additions import BRINGS, hang, holder_of, later_names, outermost_target, waiting, world_of
 from mjcompose.link.angles import undo_settings
 from mjcompose.link.expansion import names_of_copies
 from mjcompose.link.inertia import has_mass
@@ -24,11 +25,17 @@ from mjcompose.tree import journal
 from mjcompose.tree.classes import MAIN, ORIENTATIONS, Classes, childclass_of, default_tag, own, through_frames
 from mjcompose.tree.cost import scaled_above
 from mjcompose.tree.edit import attached_notes
+from mjcompose.tree.journal import Because, because, explained
 from mjcompose.tree.names import word
 from mjcompose.tree.parse import above
 
 _PLACES = ("site", "body", "frame")
 _GIVEN = ("pos", *ORIENTATIONS, "fromto")
+_COMPUTED = {
+    "mate": "computed from `mate`, to meet the place",
+    "mirror": "computed: the mirror image of another part",
+    "replicate": "computed: the place of this copy",
+}
 
 
 def bodies(linking: Linking) -> None:
@@ -97,7 +104,7 @@ class _AttachmentOrder:
         linking = self.linking
         place = part.place
         if place.kind == "world":
-            mount: Node | None = linking.base.section("worldbody")
+            mount: Node | None = world_of(linking)
         else:
             mount = linking.names.find(place.kind, str(place.name))
         if mount is not None:
@@ -259,10 +266,11 @@ class _PartAttachment:
             self._add_moving_body()
         # In MuJoCo 4.0 the `childclass` of a `<frame>` applies to its contents, and a frame without a pose changes no
         # bit of the bodies inside.
-        frame = self.parent.makeelement("frame", {**self.pose, "childclass": self.linking.top_class(part.unit)})
+        frame = self._make("frame", {**self.pose, "childclass": self.linking.top_class(part.unit)}, self.written)
         self._move_world(frame)
         if next(frame.iterchildren("*"), None) is not None:
-            journal.place(self.parent, frame)
+            words = f"carries the part `{part.called}` {place_words(part)}, and its default class"
+            journal.place(self.parent, frame, why=because(words, hung_at(part)))
             content = frame
         else:
             journal.place_all(self.parent, frame)  # comments of a part without bodies
@@ -320,7 +328,7 @@ class _PartAttachment:
             there = pose_in_world(self.parent, *units) @ read_pose(self.pose, *units)
             there @= read_pose(self.offset, *units)
             self.pose = {"pos": numbers.text(there.pos), "quat": numbers.text(there.quat)}
-            self.parent = linking.base.section("worldbody")
+            self.parent = world_of(linking)
             self.offset = {}
 
     def _original(self) -> AttachedPart | None:
@@ -351,22 +359,55 @@ class _PartAttachment:
     def _add(self, tag: str, attributes: Mapping[str, str], written: Mapping[str, Span] | None = None) -> Node:
         """Create an element. `written` has the places of its attributes in the recipe."""
         origins = self.linking.base.origins
-        child = self.parent.makeelement(tag, dict(attributes))
-        journal.place(self.parent, child)
+        child = self._make(tag, attributes, written or {})
+        journal.place(self.parent, child, why=partial(self._why_made, tag))
         if self.part.span is not None:
             origins.own(child, self.part.span)
         if written:
             origins.settings[child] = dict(written)
         return child
 
+    def _make(self, tag: str, attributes: Mapping[str, str], written: Mapping[str, Span]) -> Node:
+        element = self.parent.makeelement(tag)
+        for name, text in attributes.items():
+            journal.write(element, name, text, partial(self._because, name, text, written.get(name)))
+        return element
+
+    def _because(self, attribute: str, text: str, written: Span | None) -> Because:
+        """Return the reason for a value on the attachment: the recipe's pose and joints, or the place."""
+        part = self.part
+        is_pose = attribute == "pos" or attribute in ORIENTATIONS
+        if written is not None and attribute == "name":
+            return Because(f"named there, with the prefix of the part `{part.called}`", written)
+        if written is not None:
+            return Because(_COMPUTED.get(part.place.computed, "") if is_pose else "", written)
+        if attribute in ("class", "childclass") and text == self.linking.top_class(part.unit):
+            return Because(f"the top class of the part `{part.called}`", part.span)
+        if attribute == "name":
+            return Because(f"named after the part `{part.called}`", part.span)
+        if is_pose and part.floats:
+            return Because("computed: where that place is in the world", hung_at(part))
+        if is_pose:
+            return Because(f"the pose of the {part.place.kind} `{part.place.name}`", hung_at(part))
+        return Because(f"for the part `{part.called}`", part.span)
+
+    def _why_made(self, tag: str) -> Because:
+        part = self.part
+        if tag == "frame":
+            words = f"the pose of the {part.place.kind} that the part `{part.called}` is attached to"
+            return Because(words, hung_at(part))
+        if tag == "body":
+            return Because(f"a body for the joint between the part `{part.called}` and its place", part.span)
+        return Because(f"joins the part `{part.called}` to its place", part.span)
+
     def _add_moving_body(self) -> None:
         linking = self.linking
         part = self.part
         body = self._enter("body", {"name": part.prefix} if part.prefix else {})
         if part.mocap:
-            journal.write(body, "mocap", "true")
+            journal.write(body, "mocap", "true", partial(self._because, "mocap", "true", None))
         if any(flex.part is part for flex in linking.notes.flexes):
-            journal.write(body, "childclass", linking.top_class(part.unit))
+            journal.write(body, "childclass", linking.top_class(part.unit), because("holds for the flex in it", part.span))
         for joint in part.joints:
             added = self._add(joint.tag, self._joint_attributes(joint), joint.written)
             name = str(added.get("name") or "")
@@ -393,14 +434,18 @@ class _PartAttachment:
         site = self._add("site", {"name": sense.name})
         # The classes of the place are for other sites.
         if self.linking.base.classes.give("site", *_GIVEN):
-            journal.write_all(site, {"class": MAIN, "pos": "0 0 0", "quat": "1 0 0 0"})
+            own = {"class": MAIN, "pos": "0 0 0", "quat": "1 0 0 0"}
+            journal.write_all(site, own, because("the classes of the place are for other sites", sense.span))
         made = [("body", sense.name, body), ("site", sense.name, site)]
-        section = unit.section("sensor")
+        with explained(BRINGS):
+            section = unit.section("sensor")
         for tag, name in reversed(sense.sensors):
-            sensor = section.makeelement(tag, {"name": name, "site": sense.name})
-            if sense.cutoff:
-                journal.write(sensor, "cutoff", sense.cutoff)
-            journal.place(section, sensor, 0)
+            sensor = section.makeelement(tag)
+            with explained(because(f"measures the load of the part `{self.part.called}`", sense.span)):
+                journal.write_all(sensor, {"name": name, "site": sense.name})
+                if sense.cutoff:
+                    journal.write(sensor, "cutoff", sense.cutoff)
+                journal.place(section, sensor, 0)
             unit.origins.own(sensor, sense.span)
             made.append(("sensor", name, sensor))
         for kind, name, node in made:
@@ -425,7 +470,7 @@ class _PartAttachment:
             if owner is not None:  # it was included from another file
                 for child in worldbody:
                     unit.origins.owners.setdefault(child, owner)
-            journal.place_all(frame, [*above(worldbody, unit.header), *worldbody])
+            journal.place_all(frame, [*above(worldbody, unit.header), *worldbody], partial(_hung, self.part))
             journal.remove(worldbody)
             journal.note_source(self.linking.base.section("worldbody"), worldbody)
         # The comments at the top of a file are written once, above the first part that is made of it.
@@ -435,6 +480,22 @@ class _PartAttachment:
                 journal.place(frame, comment, 0)
 
 
+def _hung(part: Part) -> Because:
+    return Because(f"hung {place_words(part)}", hung_at(part))
+
+
+def place_words(part: Part) -> str:
+    """Return in words where a part is attached."""
+    place = part.place
+    where = "in the world" if place.kind == "world" else f"on the {place.kind} `{place.name}`"
+    return f"{where}, with an offset" if place.offset else where
+
+
+def hung_at(part: Part) -> Span | None:
+    """Return where the recipe says the place of a part."""
+    return part.place.span or part.span
+
+
 def _bound_mass(linking: Linking, body: Node) -> None:
     # MuJoCo 4.0 raises mass and moments of each body to `boundmass` and `boundinertia`, those of 0, too.
     least = linking.base.settings.boundmass
@@ -442,7 +503,8 @@ def _bound_mass(linking: Linking, body: Node) -> None:
     raises = numbers.first(least) or numbers.first(moment)
     if raises and not any(has_mass(geom, linking.base.classes) for geom in own(body, "geom")):
         inertial = {"pos": "0 0 0", "mass": least, "diaginertia": f"{moment} {moment} {moment}"}
-        journal.place(body, body.makeelement("inertial", inertial), 0)
+        why = because("the least mass and inertia of a body, by `boundmass` and `boundinertia` of the base")
+        journal.place(body, body.makeelement("inertial", inertial), 0, why)
 
 
 def _aligned_by(linking: Linking, mount: Node) -> Node | None:

@@ -12,6 +12,7 @@ from mjcompose.base.diagnostic import Note, Span
 from mjcompose.base.rotation import Pose, Quat, multiply, normalize, rotate
 from mjcompose.base.words import after_noun
 from mjcompose.link import numbers
+from mjcompose.link.additions import BRINGS
 from mjcompose.link.key_layout import joint_type
 from mjcompose.link.linking import Floating, Linking, Part
 from mjcompose.link.numbers import pose_below, pose_in_world
@@ -378,9 +379,6 @@ def _warn(linking: Linking, part: Part, element: Node, what: str, help: str) -> 
     linking.sink.warning("world-frame", message, linking.span(part.unit, element), help=help)
 
 
-_BRINGS = because("contains elements of the parts")
-
-
 def sections(linking: Linking) -> None:
     for part in linking.parts:
         for section in list(part.unit.root):
@@ -389,7 +387,7 @@ def sections(linking: Linking) -> None:
                 _extension(linking, part, section)
             elif tag in _APPENDED and next(section.iterchildren("*"), None) is not None:
                 # MuJoCo reads several sections of one tag as one, so any of them can receive it.
-                with explained(_BRINGS):
+                with explained(BRINGS):
                     target = linking.base.section(tag)
                 elements = [*above(section, part.unit.header), *section]
                 linking.base.origins.own_all(elements, part.unit.origins.owner(section, part.unit.file))
@@ -397,7 +395,7 @@ def sections(linking: Linking) -> None:
 
 
 def _extension(linking: Linking, part: Part, section: Node) -> None:
-    with explained(_BRINGS):
+    with explained(BRINGS):
         target = linking.base.section("extension")
     known = {element.get("plugin"): element for element in linking.base.root.iterfind("extension/plugin")}
     for plugin in list(section.iterchildren("*")):

@@ -25,7 +25,6 @@ from mjcompose.link.files import add_file, dedup, share_in_copies
 from mjcompose.link.inertia import has_mass
 from mjcompose.link.keyframes import keyframes
 from mjcompose.link.link import row_of
-from mjcompose.link.linking import Part
 from mjcompose.link.settings import compiler
 from mjcompose.link.subtree import Subtree
 from mjcompose.link.world import sections
@@ -35,7 +34,7 @@ from mjcompose.plan.steps import DrawValues, EditElements, Step
 from mjcompose.text.node import find, locate
 from mjcompose.trace.explanation import Reason, RowExplained
 from mjcompose.trace.trace import AttributeChange, Function, Life, NumberOrigin, ParentChange, Trace, TracedOperation
-from mjcompose.tree.classes import ORIENTATIONS, Classes, childclass_of, own
+from mjcompose.tree.classes import Classes, childclass_of, own
 from mjcompose.tree.files import read_settings
 from mjcompose.tree.grammar import GRAMMAR, ElementType
 from mjcompose.tree.journal import PARENT, Why
@@ -132,13 +131,6 @@ _OF_OTHERS: dict[object, str] = {
 """The functions and classes that change models and are no passes."""
 
 
-_COMPUTED = {
-    "mate": "computed from `mate`, to meet the place",
-    "mirror": "computed: the mirror image of another part",
-    "replicate": "computed: the place of this copy",
-}
-
-
 class Causes:
     """Words for the changes that one trace recorded.
 
@@ -152,44 +144,6 @@ class Causes:
     def setting(self, unit: Unit, name: str) -> Span | None:
         life = self.trace.written(unit, "compiler", name)
         return None if life is None else life.span(unit.origins, name)
-
-    def _bodies_value(self, life: Life, change: AttributeChange) -> Reason | None:
-        """Return the reason for a value on the attachment of a part: the recipe's pose and joints, or the place."""
-        part = change.cause.part
-        attribute = change.attribute
-        if part is None:
-            return None
-        span = change.cause.unit.origins.set_at(life.node, attribute)
-        if span is None and change.cause.linking is not None:
-            span = change.cause.linking.base.origins.set_at(life.node, attribute)
-        is_pose = attribute == "pos" or attribute in ORIENTATIONS
-        if span is not None and attribute == "name":
-            return Reason(f"named there, with the prefix of the part `{part.called}`", span)
-        if span is not None:
-            computed = part.place.computed if is_pose else ""
-            return Reason(_COMPUTED.get(computed, ""), span)
-        if attribute in ("class", "childclass") and life.attributes[attribute] == self.trace.top_class(part):
-            return Reason(f"the top class of the part `{part.called}`", part.span)
-        if attribute == "name":
-            return Reason(f"named after the part `{part.called}`", part.span)
-        if is_pose and part.floats:
-            return Reason("computed: where that place is in the world", hung_at(part))
-        if is_pose:
-            return Reason(f"the pose of the {part.place.kind} `{part.place.name}`", hung_at(part))
-        return Reason(f"for the part `{part.called}`", part.span)
-
-    def _bodies_made(self, life: Life, change: AttributeChange) -> Reason:
-        part = change.cause.part
-        if part is None:
-            return Reason("contains elements of the parts")
-        if life.tag == "frame" and life.attributes.get("childclass") == self.trace.top_class(part):
-            return Reason(f"carries the part `{part.called}` {place(part)}, and its default class", hung_at(part))
-        if life.tag == "frame":
-            words = f"the pose of the {part.place.kind} that the part `{part.called}` is attached to"
-            return Reason(words, hung_at(part))
-        if life.tag == "body":
-            return Reason(f"a body for the joint between the part `{part.called}` and its place", part.span)
-        return Reason(f"joins the part `{part.called}` to its place", part.span)
 
     def _worded(self, table: dict[Function | None, Words], life: Life, change: AttributeChange) -> Reason | None:
         words = table.get(change.cause.function)
@@ -223,10 +177,11 @@ class Causes:
     def move(self, move: ParentChange, life: Life) -> Reason | None:
         """Return the reason that an element moved, or None if the move has no meaning, as in a merged section."""
         cause = move.cause
-        if cause.function in (sections, defaults, compiler, keyframes):
+        reason = recorded(move.why)
+        if reason is not None:
+            return reason
+        if cause.function in (sections, defaults, compiler, keyframes, bodies):
             return None
-        if cause.function is bodies:
-            return None if cause.part is None else Reason(f"hung {place(cause.part)}", hung_at(cause.part))
         if move.before is not None and move.after is not None and move.before.tag == move.after.tag == "mujoco":
             return None
         return of_step(cause, None, None)
@@ -236,16 +191,6 @@ def recorded(why: Why | None) -> Reason | None:
     """Return the reason that a pass or step recorded itself."""
     because = None if why is None else why()
     return None if because is None else Reason(because.words, because.span)
-
-
-def place(part: Part) -> str:
-    where = part.place
-    found = "in the world" if where.kind == "world" else f"on the {where.kind} `{where.name}`"
-    return f"{found}, with an offset" if where.offset else found
-
-
-def hung_at(part: Part) -> Span | None:
-    return part.place.span or part.span
 
 
 def _file(unit: Unit) -> str:
@@ -268,12 +213,8 @@ CHANGES: dict[Function | None, Words] = {
     hold_poses: _at_its_place("computed to hold the pose of the key"),
     check_names: _as("`main` is called that here: the top class of the base"),
 }
-MADE: dict[Function | None, Words] = {
-    bodies: Causes._bodies_made,
-}
-VALUES: dict[Function | None, Words] = {
-    bodies: Causes._bodies_value,
-}
+MADE: dict[Function | None, Words] = {}
+VALUES: dict[Function | None, Words] = {}
 
 
 def rewrites(cause: TracedOperation) -> bool:

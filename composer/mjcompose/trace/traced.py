@@ -16,6 +16,7 @@ from mjcompose.base.files import MJCF_FILES
 from mjcompose.compose.compose import Composer
 from mjcompose.compose.elements import settle_joints
 from mjcompose.language.value import attribute_and_index
+from mjcompose.link.bodies import place_words
 from mjcompose.link.collect import collect
 from mjcompose.link.files import Merged
 from mjcompose.link.measure import measure_with
@@ -239,7 +240,7 @@ class Traced:
         return life.span(self.model.origins, attribute)
 
     def parts(self, life: Life) -> Iterator[Reason]:
-        yield from (Reason(f"`{part.called}` {trace_words.place(part)}", part.span) for part in life.parts)
+        yield from (Reason(f"`{part.called}` {place_words(part)}", part.span) for part in life.parts)
 
     def on_line(self, file: str, line: int) -> list[Node]:
         def is_there(life: Life) -> bool:
