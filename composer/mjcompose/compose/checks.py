@@ -24,8 +24,11 @@ from mjcompose.tree.classes import MAIN, NESTED, childclass_of, own, written
 from mjcompose.tree.edit import resolves, unresolved
 from mjcompose.tree.files import SourceSettings
 from mjcompose.tree.grammar import GRAMMAR
+from mjcompose.tree.journal import because
 from mjcompose.tree.names import DECLARES, naming_table, own_references, word
 from mjcompose.tree.select import name_of
+
+_TOP_CLASS = because("`main` is called that here: the top class of the base")
 
 
 def check_class_angles(linking: Linking, making: ElementBuilder) -> None:
@@ -205,7 +208,7 @@ def refer_to_top_class(linking: Linking, node: Node, attribute: str) -> bool:
     if node.get(attribute) != MAIN:
         return False
     if linking.base_class is not None:
-        journal.write(node, attribute, linking.base_class)
+        journal.write(node, attribute, linking.base_class, _TOP_CLASS)
     return True
 
 

@@ -31,6 +31,7 @@ from mjcompose.tree import journal
 from mjcompose.tree.classes import MAIN
 from mjcompose.tree.edit import unresolved
 from mjcompose.tree.grammar import GRAMMAR, Attribute, ElementType, to_text
+from mjcompose.tree.journal import because
 from mjcompose.tree.unit import FileText, Origins, Unit, line_of
 from mjcompose.tree.values import is_in_degrees
 
@@ -258,8 +259,14 @@ def _set_euler(node: Node, element: RecipeElement, name: str, value: object, mak
         making.sink.error("not-supported", message, making.span(element, name), help=help)
 
 
-def settle_joints(making: ElementBuilder, joint_type: Callable[[Node], str]) -> None:
-    """Write the ranges and references of joints after the classes, and so the joint types, are known."""
+_IN_ANGLE = "written in the recipe, in the model's unit of angle"
+
+
+def settle_joints(making: ElementBuilder, joint_type: Callable[[Node], str], *, in_edit: bool = False) -> None:
+    """Write the ranges and references of joints after the classes, and so the joint types, are known.
+
+    An edit gives its own reason for them.
+    """
     unit = making.model_angle
     radians = numbers.joint_radians
     for node, element, name in making.pending:
@@ -270,7 +277,8 @@ def settle_joints(making: ElementBuilder, joint_type: Callable[[Node], str]) -> 
         settings = making.angle_settings_of(element, name)
         as_length = numbers.text([float(_plain(v, "radian")) for v in values])  # type: ignore[arg-type]
         as_angle = numbers.text([turned(v, settings, unit, radians=radians) for v in values])
-        journal.write(node, name, as_angle if angular else as_length)
+        why = None if in_edit else because(_IN_ANGLE, partial(making.span_of, node, name))
+        journal.write(node, name, as_angle if angular else as_length, why)
         angles = [v for v in values if isinstance(v, Angle)]
         in_class = next(node.iterancestors("default"), None) is not None
         if in_class and (as_angle != as_length or angles):

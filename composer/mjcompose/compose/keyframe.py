@@ -35,6 +35,7 @@ from mjcompose.text.expression import Angle
 from mjcompose.text.node import find, locate
 from mjcompose.tree import journal
 from mjcompose.tree.classes import through_frames
+from mjcompose.tree.journal import because
 from mjcompose.tree.names import may_be_generated, word
 from mjcompose.tree.pattern import BadPattern, is_pattern
 from mjcompose.tree.unit import KeySource, KeyValues, Number, numbers_of, taken, texts
@@ -662,7 +663,9 @@ class _PoseHolder(Struct):
             self.making.sink.warning("not-held", message, self.span(), help=help)
 
     def _set(self, vector: str, row: list[Number]) -> None:
-        journal.write(self.key, vector, " ".join(texts(row)))
+        base = self.linking.base
+        place = base.origins.lasting_place(self.key, base.file, vector)
+        journal.write(self.key, vector, " ".join(texts(row)), because("computed to hold the pose of the key", place))
         record = self.linking.base.origins.keys.get(self.key)
         if record is not None:
             record.numbers[vector] = row

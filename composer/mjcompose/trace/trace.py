@@ -317,11 +317,6 @@ class Trace:
     def life(self, node: Node) -> Life:
         return self.lives[node]
 
-    def written(self, unit: Unit, tag: str, attribute: str) -> Life | None:
-        """Return the element with that tag in which a unit, as read, sets an attribute."""
-        lives = (life for life in self.lives.values() if life.root is unit.root and life.tag == tag)
-        return next(reversed([life for life in lives if attribute in life.attributes]), None)
-
     def _born(self, node: Node, cause: TracedOperation) -> Life:
         owner = cause.unit.origins.owner(node, cause.unit.file)
         laid_out = node in cause.unit.origins.keys  # by the edits of a part that is not linked to anything yet

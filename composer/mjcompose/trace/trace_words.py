@@ -13,14 +13,11 @@ from lxml.etree import _Element as Node
 from mjcompose.base.diagnostic import Span
 from mjcompose.base.words import value_text
 from mjcompose.compose.checks import check_names
-from mjcompose.compose.elements import settle_joints
-from mjcompose.compose.keyframe import hold_poses
 from mjcompose.language.assign import MASS
 from mjcompose.link import numbers
 from mjcompose.link.bodies import bodies
 from mjcompose.link.collect import collect
 from mjcompose.link.defaults import defaults
-from mjcompose.link.delays import delays
 from mjcompose.link.files import add_file, dedup, share_in_copies
 from mjcompose.link.inertia import has_mass
 from mjcompose.link.keyframes import keyframes
@@ -33,13 +30,12 @@ from mjcompose.plan.plan import DropElements, Plan
 from mjcompose.plan.steps import DrawValues, EditElements, Step
 from mjcompose.text.node import find, locate
 from mjcompose.trace.explanation import Reason, RowExplained
-from mjcompose.trace.trace import AttributeChange, Function, Life, NumberOrigin, ParentChange, Trace, TracedOperation
+from mjcompose.trace.trace import AttributeChange, Life, NumberOrigin, ParentChange, TracedOperation
 from mjcompose.tree.classes import Classes, childclass_of, own
 from mjcompose.tree.files import read_settings
 from mjcompose.tree.grammar import GRAMMAR, ElementType
 from mjcompose.tree.journal import PARENT, Why
 from mjcompose.tree.select import kind_of
-from mjcompose.tree.unit import Unit
 
 _NOBODY = {"reference": "the reference configuration", "zero": "0, because no key sets it", "unknown": "not known"}
 
@@ -114,58 +110,29 @@ def _summary(done: object) -> str:
     row = row_of(done)
     if row is not None:
         return row.words
-    return _OF_OTHERS.get(done) or _OF_OTHERS.get(type(done)) or "Compose the model"
+    return "what the subtree alone has" if isinstance(done, Subtree) else "composed"
 
 
-_OF_OTHERS: dict[object, str] = {
-    Subtree: "One body of a model by its name, or None for the whole unit, and the elements that were dropped",
-    add_file: "Add a file from the recipe. It is stored below `assets/`, as for parts",
-    check_names: "Declare every new name, then look up every reference",
-    collect: "Name the files as in the bundle",
-    dedup: "Merge equal textures, materials, meshes and height fields",
-    delays: "Write the `nsample` of each delay that a data sheet gives, for the time step of the model as it is now",
-    hold_poses: "Write the controls, and the activations of filters and integrators, of every key that holds its pose",
-    settle_joints: "Write the ranges and references of joints after the classes, and so the joint types, are known",
-    share_in_copies: "The copies of a part share its meshes, textures and height fields",
-}
-"""The functions and classes that change models and are no passes."""
+_OF_SECTIONS = (sections, defaults, compiler, keyframes, bodies)
+"""They move elements from a section of a part into the same section of the model, which needs no words."""
 
 
 class Causes:
-    """Words for the changes that one trace recorded.
-
-    A method with a leading underscore describes a pass; it gets the element and the change, which has no attribute if
-    the element was created or removed.
-    """
-
-    def __init__(self, trace: Trace) -> None:
-        self.trace = trace
-
-    def setting(self, unit: Unit, name: str) -> Span | None:
-        life = self.trace.written(unit, "compiler", name)
-        return None if life is None else life.span(unit.origins, name)
-
-    def _worded(self, table: dict[Function | None, Words], life: Life, change: AttributeChange) -> Reason | None:
-        words = table.get(change.cause.function)
-        return None if words is None else words(self, life, change)
+    """Reasons for recorded changes: those that passes and steps recorded themselves, or else what they do."""
 
     def change(self, change: AttributeChange, life: Life) -> Reason:
         """Return the reason that an attribute changed."""
-        reason = recorded(change.why) or self._worded(CHANGES, life, change)
-        return reason or of_step(change.cause, change.owner, change.attribute, node=life.node)
+        return recorded(change.why) or of_step(change.cause, change.owner, change.attribute, node=life.node)
 
     def made(self, life: Life) -> Reason:
         """Return the reason that an element exists that was not read from a file."""
         assert life.made_by is not None
-        change = AttributeChange("", None, None, cause=life.made_by, owner=life.owner)
-        reason = recorded(life.whys.get(PARENT)) or self._worded(MADE, life, change)
-        return reason or of_step(life.made_by, life.owner, None)
+        return recorded(life.whys.get(PARENT)) or of_step(life.made_by, life.owner, None)
 
     def value(self, life: Life, attribute: str) -> Reason:
         """Return the reason that an element that a pass created has this value of an attribute."""
         assert life.made_by is not None
-        change = AttributeChange(attribute, None, life.attributes.get(attribute), cause=life.made_by, owner=life.owner)
-        return recorded(life.whys.get(attribute)) or self._worded(VALUES, life, change) or self.made(life)
+        return recorded(life.whys.get(attribute)) or self.made(life)
 
     def gone(self, life: Life) -> Reason:
         assert life.gone is not None
@@ -178,10 +145,8 @@ class Causes:
         """Return the reason that an element moved, or None if the move has no meaning, as in a merged section."""
         cause = move.cause
         reason = recorded(move.why)
-        if reason is not None:
+        if reason is not None or cause.function in _OF_SECTIONS:
             return reason
-        if cause.function in (sections, defaults, compiler, keyframes, bodies):
-            return None
         if move.before is not None and move.after is not None and move.before.tag == move.after.tag == "mujoco":
             return None
         return of_step(cause, None, None)
@@ -191,30 +156,6 @@ def recorded(why: Why | None) -> Reason | None:
     """Return the reason that a pass or step recorded itself."""
     because = None if why is None else why()
     return None if because is None else Reason(because.words, because.span)
-
-
-def _file(unit: Unit) -> str:
-    return f"`{unit.file.rpartition('/')[2]}`"
-
-
-Words = Callable[[Causes, Life, AttributeChange], Reason | None]
-
-
-def _as(words: str) -> Words:
-    return lambda causes, life, change: Reason(words)
-
-
-def _at_its_place(words: str) -> Words:
-    return lambda causes, life, change: Reason(words, owned(change.owner, change.attribute))
-
-
-CHANGES: dict[Function | None, Words] = {
-    settle_joints: _at_its_place("written in the recipe, in the model's unit of angle"),
-    hold_poses: _at_its_place("computed to hold the pose of the key"),
-    check_names: _as("`main` is called that here: the top class of the base"),
-}
-MADE: dict[Function | None, Words] = {}
-VALUES: dict[Function | None, Words] = {}
 
 
 def rewrites(cause: TracedOperation) -> bool:

@@ -58,7 +58,7 @@ class Traced:
     def __post_init__(self) -> None:
         self.recipe_lines = RecipeLines(self.folder)
         self.classes = Classes(self.model.root)
-        self.causes = trace_words.Causes(self.watch)
+        self.causes = trace_words.Causes()
         self.labels = query.labels(self.model.root)
         sections = self.model.root.iterchildren("default")
         declared = (each for section in sections for each in section.iter("default"))

@@ -202,7 +202,7 @@ def set_whole(values: EntryValues, attribute: Attribute, written: Any, at: Path)
             # has to go.
             replace(node, dict.fromkeys(ORIENTATIONS))
         update_node(node, element, kind_of(node), making=making)
-        settle_joints(making, lambda each: joint_type(each, editing.classes))
+        settle_joints(making, lambda each: joint_type(each, editing.classes), in_edit=True)
     check_class_angles(editing.linking, making)
     check_angles_of_targets(editing.linking, making)
     take_files(editing)
