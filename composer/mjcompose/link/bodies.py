@@ -407,7 +407,9 @@ class _PartAttachment:
         if part.mocap:
             journal.write(body, "mocap", "true", partial(self._because, "mocap", "true", None))
         if any(flex.part is part for flex in linking.notes.flexes):
-            journal.write(body, "childclass", linking.top_class(part.unit), because("holds for the flex in it", part.span))
+            journal.write(
+                body, "childclass", linking.top_class(part.unit), because("holds for the flex in it", part.span)
+            )
         for joint in part.joints:
             added = self._add(joint.tag, self._joint_attributes(joint), joint.written)
             name = str(added.get("name") or "")
