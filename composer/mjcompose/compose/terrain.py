@@ -63,8 +63,10 @@ def _written(linking: Linking, node: Node, terrain: Terrain) -> MadeTerrain:
     path = portable_path(f"{ASSETS}/{name}.{hashlib.sha256(content).hexdigest()[:8]}.hfield")
     rows, columns = terrain.shape
     size = ((columns - 1) * terrain.cell / 2, (rows - 1) * terrain.cell / 2, field.rise, _BASE)
-    journal.write(node, "file", path)
-    journal.write(node, "size", numbers.text([round(each, 9) for each in size]))
+    base = linking.base
+    computed = journal.because("computed from `terrain`", base.origins.lasting_place(node, base.file))
+    journal.write(node, "file", path, computed)
+    journal.write(node, "size", numbers.text([round(each, 9) for each in size]), computed)
     source = held(os.path.join(linking.base.directory, path))
     linking.files.append(FileUse(node, "file", path, source=source, content=content))
     return MadeTerrain(node, terrain, field)
