@@ -118,7 +118,7 @@ _OF_SECTIONS = (sections, defaults, compiler, keyframes, bodies)
 
 
 class Causes:
-    """Reasons for recorded changes: those that passes and steps recorded themselves, or else what they do."""
+    """Reasons for recorded changes: the recorded reason, or else the words of the pass or step."""
 
     def change(self, change: AttributeChange, life: Life) -> Reason:
         """Return the reason that an attribute changed."""
