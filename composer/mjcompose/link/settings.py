@@ -154,8 +154,9 @@ def _settle(compiler: Node, linking: Linking) -> None:
     # the path of every mesh, in whatever order the two are written.
     for name in FOLDERS:
         journal.drop(compiler, name, _BY_BUNDLE_PATH)
-    for name in _NOT_KEPT if linking.composed else ():
-        journal.drop(compiler, name, _EXPLICIT)
+    if linking.composed:
+        for name in _NOT_KEPT:
+            journal.drop(compiler, name, _EXPLICIT)
     if linking.composed and linking.notes.aligned:
         journal.write(compiler, "alignfree", "true", because("kept for the free joints that cannot say it themselves"))
     if linking.parts:
