@@ -131,7 +131,7 @@ class NetChange(NamedTuple):
         return self.before is not self.after and self.before != self.after
 
 
-class Source(NamedTuple):
+class ReplacedElement(NamedTuple):
     """An element that a new one replaces or copies, and the reason why the new one differs from it."""
 
     node: Node
@@ -143,14 +143,14 @@ class RecordSummary:
 
     def __init__(self, record: Iterable[journal.TreeChange]) -> None:
         self.changes: dict[Node, dict[str, NetChange]] = {}
-        self.sources: dict[Node, list[Source]] = {}
+        self.sources: dict[Node, list[ReplacedElement]] = {}
         for change in record:
             is_element = isinstance(change.node.tag, str)  # a comment has a function
             if not is_element:
                 continue
             if change.what == SOURCE:
                 assert change.after is not None and not isinstance(change.after, str)
-                self.sources.setdefault(change.node, []).append(Source(change.after, change.why))
+                self.sources.setdefault(change.node, []).append(ReplacedElement(change.after, change.why))
                 continue
             rows = self.changes.setdefault(change.node, {})
             known = rows.get(change.what)
@@ -305,7 +305,7 @@ class Trace:
             for each in life.node.iter("*"):
                 self.lives[each].home = top
 
-    def _note_sources(self, life: Life, sources: list[Source]) -> None:
+    def _note_sources(self, life: Life, sources: list[ReplacedElement]) -> None:
         """Link an element that a pass wrote again to the elements that it replaces."""
         if life.made_by is None or not life.made_by.is_pass:
             return
