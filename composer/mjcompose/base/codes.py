@@ -174,6 +174,7 @@ BY_TOPIC: dict[str, dict[str, str]] = {
         "draw-at-run-time": "a compiled model cannot take this draw",
         "not-a-world": "a model has other elements than the other worlds",
         "not-per-world": "worlds differ in a number that the simulator keeps only once",
+        "worlds-padded": "cells as worlds need many more geoms than each of them has",
     },
     "Migration": {
         "migrate-cannot": "another version of MuJoCo cannot express an element of the model",

@@ -128,9 +128,9 @@ def _build(options: BuildCommandOptions, run: Run) -> int:
     _check_usage(options)
     spec = _output_spec(options, run)
     context = run.context
-    one = options.one
     how = context.fetching
     assert how is not None
+    one, joins, draws = _worlds(options, run)
     order = BuildOptions(
         spec.verified,
         options.dedup,
@@ -140,7 +140,7 @@ def _build(options: BuildCommandOptions, run: Run) -> int:
         offline=how.offline,
         pictured=options.picture,
         target=options.target,
-        worlds=options.gives == "worlds",
+        worlds=draws,
     )
     with caching(context, options.no_cache) as cache, ExitStack() as opened:
         if options.picture:
@@ -155,7 +155,7 @@ def _build(options: BuildCommandOptions, run: Run) -> int:
         given = options.choices.given(run)
         with run.session(remembers=not one) as session:
             task = Task(maker, spec, run, given=given, session=session)
-            if options.table is not None:
+            if options.table is not None or joins:
                 from mjcompose.cli.build_cells import build_worlds
 
                 return build_worlds(task, options, options.table)
@@ -166,6 +166,18 @@ def _build(options: BuildCommandOptions, run: Run) -> int:
             if spec.verified:
                 session.begin()
             return task.build_one(reasons)
+
+
+def _worlds(options: BuildCommandOptions, run: Run) -> tuple[bool, bool, bool]:
+    """Return whether one model is built, whether cells become its worlds, and whether samples do."""
+    if options.gives != "worlds" or options.cells.every:
+        return options.one, False, options.gives == "worlds"
+    from mjcompose.pipeline.cache.cells import worlds_of
+
+    context = run.new_context()
+    found = worlds_of(options.recipe, context, options.choices.given(run))
+    joins = found.cells > 0 and options.table is None
+    return options.one and not joins, joins, found.draws or not found.cells
 
 
 def _check_usage(options: BuildCommandOptions) -> None:

@@ -237,8 +237,8 @@ class _Failed(Exception):
     pass
 
 
-def build_worlds(task: Task, options: BuildCommandOptions, table: Path) -> int:
-    """Build all models into `table`, and with `--as union` their common model. Return the exit code."""
+def build_worlds(task: Task, options: BuildCommandOptions, table: Path | None) -> int:
+    """Build all models as worlds of one model, with their table in `table` or in its bundle. Return the exit code."""
     spec = task.spec
     context = task.run.context
     chosen, code = _chosen(task, options)
@@ -249,7 +249,8 @@ def build_worlds(task: Task, options: BuildCommandOptions, table: Path) -> int:
         help = "write `matrix` or `randomize` into it, or build it without `--worlds`"
         context.sink.error("missing-key", f"`{task.maker.recipe}` is one model and has no worlds", help=help)
     with context.sink:
-        worlds.check_name(table)
+        if table is not None:
+            worlds.check_name(table)
     task.run.check(code or USAGE)
     joint = _Worlds(task, table)
     with scratch("worlds") as folder, suppress(_Failed), context.sink:
@@ -267,7 +268,7 @@ def build_worlds(task: Task, options: BuildCommandOptions, table: Path) -> int:
 
 
 class _Worlds:
-    def __init__(self, task: Task, table: Path) -> None:
+    def __init__(self, task: Task, table: Path | None) -> None:
         self.task = task
         self.table = table
         self.context = task.run.context
@@ -275,9 +276,9 @@ class _Worlds:
         self.last: Span | None = None
 
     def worlds(self, chosen: list[Cell], shelf: Shelf, options: BuildCommandOptions) -> tuple[Worlds, Bundle | None]:
-        """Return all models as worlds, and the bundle of their union if they form one. Raises LoadError."""
+        """Return all models as worlds, and the bundle of their common model if it is new. Raises LoadError."""
         self.tally.total = len(chosen)
-        joining = Joining(len(chosen), options.gives == "union")
+        joining = Joining(len(chosen), groups_cells=True, unites=options.gives == "union")
         maker = self.task.maker
         session = self.task.session
         assert session is not None
@@ -290,12 +291,14 @@ class _Worlds:
                 joined = self._taken(each, shelf)
                 if not joining.add(joined):
                     shelf.clear(joined)
-        if len(joining.groups) == 1:
-            return joining.worlds(), None
-        from mjcompose.tools.worlds.union import unite
-
         self.last = None
-        return unite(joining, f"{own_name(maker.recipe)}-union", self.context, session=session)
+        from mjcompose.tools.worlds.combine import combine
+        from mjcompose.tools.worlds.one_tree import JointPlace
+
+        study, bundle = combine(joining, JointPlace(shelf.folder, own_name(maker.recipe), self.context, session))
+        if bundle is None and self.table is None:
+            bundle = shelf.read(joining.groups[0].first)
+        return study, bundle
 
     def _taken(self, each: CellResult, shelf: Shelf) -> Joined:
         note_files(each.files)
@@ -307,6 +310,10 @@ class _Worlds:
 
     def write(self, first: Cell, study: Worlds, bundle: Bundle | None) -> None:
         """Write the bundle, and then the table. Raises OutputError and _Failed."""
+        if self.table is None:
+            assert bundle is not None
+            say(self._put(worlds.with_table(bundle, study.nominal, study.table), study), form=self.task.spec.form)
+            return
         words = self._put_first(first) if bundle is None else self._put(bundle, study)
         worlds.write(self.context.folder / self.table, study.nominal, study.table, option="--worlds")
         note_output(str(self.table))
@@ -329,8 +336,9 @@ class _Worlds:
         target = self.task.spec.target(study.manifest.name, study.manifest.mujoco)
         write_bundle(bundle, self.context.folder / target, environment=self.context.environment)
         note_output(target)
-        parts = ", ".join(study.table.parts)
-        return f"wrote {target}\n  {study.manifest.name}: one model with the parts {parts}"
+        if study.table.parts:
+            return f"wrote {target}\n  {study.manifest.name}: one model with the parts {', '.join(study.table.parts)}"
+        return f"wrote {target}\n  {study.manifest.name}: {study.summary()}"
 
 
 Row = tuple[list[Value | None], dict[str, Value]]

@@ -164,7 +164,6 @@ def test_a_table_of_another_model(tmp_path: Path) -> None:
         (MATRIX, ("--worlds", "study.csv"), 2, "error[output-kind]: no table of worlds is called `*.csv`"),
         (MATRIX, ("--shard", "1/2"), 2, "--shard is not for --worlds"),
         (MATRIX, ("--sample-table", "s.csv"), 2, "--sample-table is not for --worlds"),
-        (MATRIX, ("--as", "worlds"), 1, "error[missing-key]: `r.yaml` has no `randomize`, so it has no worlds"),
         (MATRIX + DRAWN.format(samples=2, field=PARAM), ("--as", "worlds"), 1, "error[draw-at-run-time]"),
         (MATRIX, ("--as", "worlds", "--sample", "1"), 2, "with --as worlds, all samples are in one"),
         (MATRIX.replace("0.1, 0.2", "-1, 0.2"), (), 1, "error["),

@@ -147,7 +147,7 @@ def forces(model: mujoco.MjModel, data: mujoco.MjData) -> list[float]:
 
 def test_worlds_behave_as_their_models(both: tuple[worlds.Worlds, list[mjcompose.Loaded]]) -> None:
     found, built = both
-    assert len(found) == len(built) and len({tuple(row) for row in found.table.has}) >= 4
+    assert len(found) == len(built) and len({tuple(row) for row in found.table.has}) >= 2
     touched = 0
     for world, each in enumerate(built):
         union = found.model(world)

@@ -9,6 +9,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from mjcompose.base.dataclass import Struct
 from mjcompose.base.limits import advice, in_force
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import did_you_mean, exists_note
@@ -18,7 +19,7 @@ from mjcompose.plan.locked import use_lock
 from mjcompose.plan.matrix import Matrix, read_matrix
 from mjcompose.plan.read import expanded_recipe, read_recipe
 from mjcompose.sources.context import Context
-from mjcompose.text.node import Mapping, Node, Scalar, find, locate, to_python
+from mjcompose.text.node import Mapping, Node, Scalar, find, locate, to_python, walk
 
 MANY = 64
 
@@ -117,6 +118,24 @@ def cells_of(
     if worlds:
         return matrix.cells or [Cell(matrix.name, {}, matrix.document.span)]
     return with_samples(context.folder / recipe, matrix, given or {}, context=context)
+
+
+class WorldsOfRecipe(Struct):
+    """The cells that can be worlds of one model; `draws` says whether the recipe draws samples."""
+
+    cells: int
+    draws: bool
+
+
+def worlds_of(recipe: Path, context: Context, given: dict[str, Node]) -> WorldsOfRecipe:
+    """Return the cells of a recipe that are worlds; for a faulty recipe none. Axes that `given` sets have one value."""
+    own = replace(context, sink=Sink())
+    if use_lock(recipe, own) is None or (matrix := read_matrix(recipe, own, given)) is None:
+        return WorldsOfRecipe(0, draws=True)
+    is_chosen = any(given.keys() & cell.given.keys() for cell in matrix.cells)
+    written = read_recipe(context.folder / recipe, own)
+    keys = [] if written is None else [visit.key.name for visit in walk(written) if visit.key is not None]
+    return WorldsOfRecipe(0 if is_chosen else len(matrix.cells), draws="randomize" in keys)
 
 
 def select_cells(every: Sequence[Cell], picks: Iterable[str], sink: Sink, recipe: str) -> list[Cell]:

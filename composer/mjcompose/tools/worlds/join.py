@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 from collections.abc import Hashable, Iterator, Mapping, Sequence
-from dataclasses import field
+from dataclasses import field, replace
 from hashlib import sha256
 from os import PathLike
 from pathlib import Path
@@ -17,6 +17,7 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.base.files import read_regular
 from mjcompose.bundle.bundle import WORLDS, Bundle
 from mjcompose.bundle.listing import SIZES
+from mjcompose.bundle.read import read as read_bundle
 from mjcompose.bundle.staging import write_folder
 from mjcompose.language.expand import Cell
 from mjcompose.mujoco.arrays import with_trait
@@ -28,6 +29,7 @@ from mjcompose.sources.context import Context
 from mjcompose.text.expression import Value
 from mjcompose.tools.worlds.load import Loaded, load, load_many
 from mjcompose.tools.worlds.names import failure
+from mjcompose.tools.worlds.same_tree import APART_OR_UNION, CODE, check_same_tree, structure_of
 from mjcompose.tools.worlds.worlds import Table, Varying, Worlds, model_sha256, read
 
 if TYPE_CHECKING:
@@ -35,7 +37,6 @@ if TYPE_CHECKING:
 
     from mjcompose.mujoco.model_types import MjModel
 
-CODE = "not-a-world"
 _HFIELD = 1
 _MESH = 7
 _NOT_UNITED = ("flex", "skin", "plugin")
@@ -178,11 +179,10 @@ class Joined(NamedTuple):
 
 
 class WorldGroup(Struct, frozen=False):
-    """Models that differ from the `first` one only in numbers. In a union, they have its `shape`: types and meshes."""
+    """Models that differ from the `first` one only in numbers."""
 
     first: Joined
     differences: Differences
-    shape: Hashable = None
     worlds: list[int] = field(default_factory=list)
 
     def take(self, each: Joined, first: int, count: int) -> None:
@@ -204,30 +204,34 @@ class WorldGroup(Struct, frozen=False):
 
 
 class Joining(Struct, frozen=False):
-    """Joins models one by one, `expected` or more; also models with different elements if it `unites` them."""
+    """Joins models one by one, `expected` or more.
+
+    If it `groups_cells`, models with other geoms or assets are groups of their own, and if it `unites` them, models
+    with other trees too. Otherwise each model must have the elements of the first.
+    """
 
     expected: int
+    groups_cells: bool = False
     unites: bool = False
     groups: list[WorldGroup] = field(default_factory=list)
+    _structures: dict[str, WorldGroup] = field(default_factory=dict)
     _cells: list[Mapping[str, Value | None]] = field(default_factory=list)
     _cell: list[int] = field(default_factory=list)
     _sample: list[int] = field(default_factory=list)
 
     def add(self, each: Joined) -> bool:
         """Add a model; return whether it must be kept. Raises LoadError if it is a different model."""
-        model = each.loaded.model
-        shape = Tree(model, each.name).shape("world") if self.unites else None
-        alike = (one for one in self.groups if one.shape == shape and unlike(one.first.loaded.model, model) is None)
-        group = next(alike, None)
+        structure = structure_of(each.loaded.model) if self.groups_cells else ""
+        group = self._structures.get(structure)
         is_new = group is None
         if group is None:
-            if self.groups and not self.unites:
-                first = self.groups[0].first
-                help = "build these cells separately with `--pick`, or add `--as union`: one model has the parts of all"
-                message = f"`{each.name}` cannot be a world of `{first.name}`: it is another model"
-                raise failure(CODE, message, help, notes=unlike(first.loaded.model, model) or ())
-            group = WorldGroup(each, Differences(model, 1 if self.unites else self.expected), shape)
+            self._check_tree(each)
+            expected = self.expected if not self.groups else 1
+            group = WorldGroup(each, Differences(each.loaded.model, expected))
             self.groups.append(group)
+            self._structures[structure] = group
+        elif not self.groups_cells:
+            self._check_elements(each)
         if each.cell not in self._cells:
             self._cells.append(each.cell)
         count = 1 if each.table is None else each.table.count
@@ -236,10 +240,36 @@ class Joining(Struct, frozen=False):
         self._sample += [each.sample] if each.table is None else each.table.sample.tolist()
         return is_new
 
+    def _check_tree(self, each: Joined) -> None:
+        if self.groups and not self.unites:
+            first = self.groups[0].first
+            check_same_tree(first.loaded.model, each.loaded.model, (first.name, each.name))
+
+    def _check_elements(self, each: Joined) -> None:
+        first = self.groups[0].first
+        reasons = unlike(first.loaded.model, each.loaded.model)
+        if reasons is not None:
+            message = f"`{each.name}` cannot be a world of `{first.name}`: it is another model"
+            raise failure(CODE, message, APART_OR_UNION, notes=reasons)
+
     def worlds(self) -> Worlds:
+        """Return the worlds of the only group."""
         (group,) = self.groups
         loaded = group.first.loaded
-        return Worlds(loaded.model, loaded.manifest, loaded.index, table=self.table(loaded, dict(group.varying())))
+        order = np.argsort(group.worlds)
+        varying = {name: Varying(own.index, own.values[order]) for name, own in group.varying()}
+        return Worlds(loaded.model, loaded.manifest, loaded.index, table=self.table(loaded, varying))
+
+    def with_groups(self, groups: Sequence[WorldGroup]) -> Joining:
+        """Return the same models in other groups."""
+        return replace(self, groups=list(groups))
+
+    def presence(self, groups: Sequence[WorldGroup], present: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """Return the geoms of a joint model that each cell has, from those of each group."""
+        rows = np.zeros((len(self._cells), present.shape[1]), bool)
+        for group, own in zip(groups, present, strict=True):
+            rows[[self._cell[world] for world in group.worlds]] = own
+        return rows
 
     def table(self, loaded: Loaded, varying: Mapping[str, Varying]) -> Table:
         """Return a table of the differences from a model."""
@@ -309,6 +339,11 @@ class Shelf(Struct):
             table = read(read_regular(folder / WORLDS))
         named = {"name": cell.cell or loaded.manifest.name}
         return Joined(loaded, result.name, {**named, **cell.values()}, sample=cell.sample, table=table, folder=folder)
+
+    def read(self, each: Joined) -> Bundle:
+        """Return the bundle of a model."""
+        assert each.folder is not None
+        return read_bundle(each.folder)
 
     def clear(self, each: Joined) -> None:
         assert each.folder is not None

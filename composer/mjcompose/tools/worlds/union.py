@@ -13,8 +13,7 @@ import numpy as np
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.sink import Sink
-from mjcompose.bundle.bundle import MANIFEST, Bundle
-from mjcompose.bundle.manifest import Input, Read, files_of, from_json, with_manifest
+from mjcompose.bundle.bundle import Bundle
 from mjcompose.bundle.read import read
 from mjcompose.bundle.staging import write_folder
 from mjcompose.mujoco.addresses import VECTORS
@@ -26,9 +25,13 @@ from mjcompose.mujoco.settable import are_close
 from mjcompose.mujoco.varying import MEAN_INERTIA, MEAN_MASS, Differences, Rows, flat, owners, put, rows_of_size
 from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
-from mjcompose.tools.worlds.join import CODE, Joining, Tree, UnsharedBody, WorldGroup, common, parts as joined_parts
+from mjcompose.tools.worlds.cell_numbers import APART
+from mjcompose.tools.worlds.join import Joining, Tree, UnsharedBody, WorldGroup, common, parts as joined_parts
 from mjcompose.tools.worlds.load import load
 from mjcompose.tools.worlds.names import LoadError, failure
+from mjcompose.tools.worlds.of_sources import of_sources
+from mjcompose.tools.worlds.same_tree import CODE
+from mjcompose.tools.worlds.volumes import set_volumes
 from mjcompose.tools.worlds.worlds import Varying, Worlds, with_numbers
 
 if TYPE_CHECKING:
@@ -107,51 +110,6 @@ def bodies_of(trees: Sequence[Tree], each: UnionPart) -> Iterator[str]:
     return (each.prefix + body for body in trees[each.source].below(each.part.body))
 
 
-_LICENSES = "LICENSES/"
-
-
-def of_sources(bundle: Bundle, models: Sequence[Bundle]) -> Bundle:
-    """Return a union with the inputs, licenses and recipe from the manifests of its models."""
-    manifests = [from_json(each.files[MANIFEST]) for each in models]
-    texts: dict[str, bytes] = {}
-    inputs: dict[tuple[str, str], Input] = {}
-    licenses: dict[str, dict[str, None]] = {}
-    read: dict[tuple[str, str], Read] = {}
-    for model, manifest in zip(models, manifests, strict=True):
-        moved = {path: _free(path, model.files[path], texts) for path in model.files if path.startswith(_LICENSES)}
-        texts |= {moved[path]: model.files[path] for path in moved}
-        for each in manifest.inputs:
-            known = each.model_copy(update={"licenses": tuple(moved.get(path, path) for path in each.licenses)})
-            inputs.setdefault((each.path, each.sha256), known)
-        for license, parts in manifest.licenses.items():
-            licenses.setdefault(license, {}).update(dict.fromkeys(parts))
-        read |= {(each.path, each.sha256): each for each in manifest.read}
-    files = {path: content for path, content in bundle.files.items() if not path.startswith(_LICENSES)}
-    whole = Bundle({**files, **texts}, bundle.model)
-    first = manifests[0]
-    changes = {
-        "recipe": first.recipe,
-        "seed": first.seed,
-        "adopted": first.adopted,
-        "inputs": tuple(inputs.values()),
-        "parts": (),  # a part of several models is compared with its source in each of them
-        "read": tuple(each for _, each in sorted(read.items())),
-        "files": files_of(whole),
-        "union": len(models),
-        "licenses": {license: tuple(parts) for license, parts in sorted(licenses.items())},
-    }
-    return with_manifest(whole, from_json(bundle.files[MANIFEST]).model_copy(update=changes))
-
-
-def _free(path: str, content: bytes, texts: dict[str, bytes]) -> str:
-    number = 1
-    free = path
-    while texts.get(free, content) != content:
-        number += 1
-        free = f"{_LICENSES}{number}/{path.removeprefix(_LICENSES)}"
-    return free
-
-
 def _presence(groups: Sequence[WorldGroup], plan: UnionPlan, count: int) -> Any:
     """Return which world (row) has which part of the union (column)."""
     has = np.zeros((count, len(plan.placed)), bool)
@@ -218,11 +176,23 @@ def _world(mujoco: object, union: MjModel, mapped: Mapped, model: MjModel, unuse
             put(made, f"opt.{name}", flat(model, f"opt.{name}"))
     for name, index, value in silenced(union, unused):
         flat(made, name)[index] = value
+    set_volumes(made, _with_other_geoms(union, made), np.flatnonzero(made.geom_margin == APART).tolist())
     mujoco.mj_setConst(made, mujoco.MjData(made))  # type: ignore[attr-defined]
     # Solvers stop when a step improves less than their tolerance, in units of this times the number of dofs.
     put(made, MEAN_INERTIA, flat(model, MEAN_INERTIA) * model.nv / max(1, made.nv))
     put(made, MEAN_MASS, flat(model, MEAN_MASS))
     return made
+
+
+def _with_other_geoms(union: MjModel, made: MjModel) -> list[int]:
+    """Return the bodies whose bounding volumes are others than in the union."""
+    bodies: set[int] = set()
+    for name in ("geom_pos", "geom_quat", "geom_aabb", "geom_margin"):
+        differ = getattr(union, name) != getattr(made, name)
+        bodies.update(made.geom_bodyid[differ.reshape(len(differ), -1).any(axis=1)].tolist())
+    for name in ("body_ipos", "body_iquat"):
+        bodies.update(np.flatnonzero((getattr(union, name) != getattr(made, name)).any(axis=1)).tolist())
+    return sorted(bodies)
 
 
 def _check(mapped: Mapped, made: MjModel, model: MjModel, name: str) -> None:
@@ -282,7 +252,6 @@ _KEYS = {
     **{f"key_{vector}": VECTORS[vector] for vector in ("qpos", "qvel", "ctrl", "act")},
     **dict.fromkeys(("key_mpos", "key_mquat"), VECTORS["mocap_pos"]),
 }
-_APART = -1e4
 _TREE = ("body", "joint", "geom", "site", "camera", "light")
 _NEEDED = (*_TREE, *ACTING, "numeric", "tuple", "material", "key")
 _NOT_NUMBERS = {Treatment.SKIPPED, Treatment.PRESENT, Treatment.LINKED, Treatment.SUBTREE, Treatment.DERIVED}
@@ -438,7 +407,7 @@ def silenced(union: MjModel, bodies: Iterable[str]) -> list[tuple[str, np.ndarra
     named = ((f"{kind}_{each}", rows) for kind, (rows, names) in zero.items() for each in names.split())
     there = [(name, rows) for name, rows in named if not name.endswith("poly") or hasattr(union, name)]
     found = [(name, _all(getattr(union, name), rows), 0.0) for name, rows in there]
-    found += [("dof_armature", dofs, 1.0), ("geom_margin", geoms, _APART), ("pair_margin", pairs, _APART)]
+    found += [("dof_armature", dofs, 1.0), ("geom_margin", geoms, APART), ("pair_margin", pairs, APART)]
     return [each for each in found if each[1].size]
 
 

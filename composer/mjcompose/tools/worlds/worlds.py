@@ -11,7 +11,7 @@ from dataclasses import field, replace
 from io import BytesIO
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import IO, TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,8 +19,9 @@ from numpy.typing import NDArray
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.files import read_regular
 from mjcompose.base.report import MjcomposeError, short_traceback
-from mjcompose.bundle.bundle import DRAWS, WORLDS, OutputError, path_of_bundle
-from mjcompose.bundle.manifest import Manifest
+from mjcompose.base.words import counted
+from mjcompose.bundle.bundle import DRAWS, MANIFEST, WORLDS, Bundle, OutputError, path_of_bundle
+from mjcompose.bundle.manifest import Manifest, files_of, from_json, with_manifest
 from mjcompose.bundle.read import ReadError, read as read_bundle
 from mjcompose.bundle.staging import staged_file
 from mjcompose.mujoco.varying import Whose, flat, put, stored, value_of, whose
@@ -65,8 +66,9 @@ class Table(Struct):
 
     `cells` are the cells of its matrix, each with its `name` and its values. `cell` has the number of each world's
     cell, `(worlds,)`, and `sample` has the number of its sample. For a union, `parts` are the bodies that not all
-    worlds have, and `has` says which worlds have them, `(worlds, parts)`. `model` is the identity of the model, None in
-    a bundle that contains it.
+    worlds have, and `has` says which worlds have them, `(worlds, parts)`. For cells of one tree with different geoms,
+    `present` says which cells have which geoms of the model, `(cells, ngeom)`. `model` is the identity of the model,
+    None in a bundle that contains it.
     """
 
     arrays: Mapping[str, Varying]
@@ -79,6 +81,7 @@ class Table(Struct):
     mujoco: str | None = None
     parts: tuple[str, ...] = ()
     has: NDArray[np.bool_] = field(default_factory=lambda: np.zeros((0, 0), np.bool_))
+    present: NDArray[np.bool_] = field(default_factory=lambda: np.zeros((0, 0), np.bool_))
 
     def about(self) -> dict[str, Any]:
         """Return everything except the arrays, for JSON."""
@@ -91,6 +94,7 @@ class Table(Struct):
             "cells": list(map(dict, self.cells)),
             "parts": list(self.parts),
             "has": self.has.astype(int).tolist() if self.parts else [],
+            "present": self.present.astype(int).tolist(),
         }
 
 
@@ -101,6 +105,7 @@ def of_about(about: Mapping[str, Any], arrays: Mapping[str, Varying], **given: A
     count = int(about["samples"])
     given = {"cell": np.zeros(count, np.int64), "sample": np.arange(1, count + 1), **given}
     parts = tuple(about.get("parts", ()))
+    present = about.get("present") or []
     return Table(
         arrays,
         count,
@@ -111,6 +116,7 @@ def of_about(about: Mapping[str, Any], arrays: Mapping[str, Varying], **given: A
         mujoco=about.get("mujoco"),
         parts=parts,
         has=np.array(about.get("has", ()), np.bool_).reshape(count if parts else 0, len(parts)),
+        present=np.array(present, np.bool_).reshape(len(present), len(present[0]) if present else 0),
     )
 
 
@@ -189,12 +195,25 @@ def write(
         if path.suffix.lower() == ".parquet":
             write_parquet(stage, model, table)
             return
-        found = ((name, varying.index, varying.values) for name, varying in sorted(table.arrays.items()))
-        about = np.frombuffer(json.dumps(table.about()).encode(), np.uint8)
-        arrays: dict[str, Any] = {_TABLE_FILE_ABOUT: about, "cell": table.cell, "sample": table.sample}
-        arrays |= stored(model, found)
         with stage.open("wb") as file:
-            np.savez(file, allow_pickle=False, **arrays)
+            _write_npz(file, model, table)
+
+
+def _write_npz(file: IO[bytes], model: MjModel, table: Table) -> None:
+    found = ((name, varying.index, varying.values) for name, varying in sorted(table.arrays.items()))
+    about = np.frombuffer(json.dumps(table.about()).encode(), np.uint8)
+    arrays: dict[str, Any] = {_TABLE_FILE_ABOUT: about, "cell": table.cell, "sample": table.sample}
+    arrays |= stored(model, found)
+    np.savez(file, allow_pickle=False, **arrays)
+
+
+def with_table(bundle: Bundle, model: MjModel, table: Table) -> Bundle:
+    """Return a bundle with its table of worlds in it, instead of the draws of a single cell."""
+    content = BytesIO()
+    _write_npz(content, model, replace(table, model=None))
+    kept = {path: data for path, data in bundle.files.items() if path not in _TABLES}
+    whole = Bundle({**kept, WORLDS: content.getvalue()}, bundle.model)
+    return with_manifest(whole, from_json(bundle.files[MANIFEST]).model_copy(update={"files": files_of(whole)}))
 
 
 def check_name(path: Path) -> None:
@@ -268,6 +287,19 @@ class Worlds(Struct):
     def models(self, worlds: Iterable[int] | None = None) -> Iterator[LoadModel]:
         """Yield the models of these worlds, or of all worlds, one after another."""
         yield from map(self.model, range(self.count) if worlds is None else worlds)
+
+    def summary(self) -> str:
+        """Return the worlds in words: `8 cells as one model; nv 15, 52 geoms (47 in the largest cell), …`."""
+        model = self.nominal
+        present = self.table.present
+        largest = f" ({present.sum(axis=1).max()} in the largest cell)" if present.size else ""
+        numbers = sum(varying.index.size for varying in self.arrays.values())
+        cells = counted(len(self.table.cells), "cell")
+        worlds = "" if self.count == len(self.table.cells) else f", {counted(self.count, 'world')}"
+        return (
+            f"{cells} as one model{worlds}; nv {model.nv}, {model.ngeom} geoms{largest}, {model.nmesh} meshes;"
+            f" {numbers} numbers of {len(self.arrays)} arrays differ"
+        )
 
     def take(self, worlds: Iterable[int]) -> Worlds:
         """Return some of the worlds, in this order: `study.take(range(2000))`. Raises IndexError."""

@@ -1,0 +1,69 @@
+"""The assets of a compiled model by what they contain, so that many models can have each of them once."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from hashlib import blake2b
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from mjcompose.mujoco.attributes import KINDS
+
+if TYPE_CHECKING:
+    from mjcompose.mujoco.model_types import MjModel
+
+_RUNS = {
+    "mesh": {
+        "mesh_vert": ("mesh_vertadr", "mesh_vertnum"),
+        "mesh_face": ("mesh_faceadr", "mesh_facenum"),
+        "mesh_normal": ("mesh_normaladr", "mesh_normalnum"),
+        "mesh_texcoord": ("mesh_texcoordadr", "mesh_texcoordnum"),
+    }
+}
+_PROPERTIES = {
+    "mesh": ("mesh_pos", "mesh_quat", "mesh_scale", "mesh_octnum"),
+    "hfield": ("hfield_size", "hfield_nrow", "hfield_ncol"),
+    "texture": ("tex_type", "tex_height", "tex_width", "tex_nchannel", "tex_colorspace"),
+}
+
+
+class AssetContents:
+    """The contents of the textures, materials, meshes and height fields of a model, as hashes."""
+
+    def __init__(self, model: MjModel) -> None:
+        self.model = model
+        self.hashes: dict[str, list[str]] = {}
+        for kind in ("texture", "material", "mesh", "hfield"):
+            count = len(getattr(model, KINDS[kind].addresses))
+            self.hashes[kind] = [self._hash(kind, number) for number in range(count)]
+
+    def _hash(self, kind: str, number: int) -> str:
+        whole = blake2b(digest_size=16)
+        for each in self._numbers(kind, number):
+            array = np.ascontiguousarray(each)
+            whole.update(f"{array.shape}".encode())
+            whole.update(array.tobytes())
+        if kind == "material":
+            for texture in self.model.mat_texid[number].tolist():
+                whole.update(self.hashes["texture"][texture].encode() if texture >= 0 else b"-")
+        return whole.hexdigest()
+
+    def _numbers(self, kind: str, number: int) -> Iterator[Any]:
+        model: Any = self.model
+        if kind == "material":
+            names = (name for name in dir(model) if name.startswith("mat_") and name != "mat_texid")
+            yield from (getattr(model, name)[number] for name in names)
+        for name in _PROPERTIES.get(kind, ()):
+            if hasattr(model, name):
+                yield getattr(model, name)[number]
+        for name, (first, count) in _RUNS.get(kind, {}).items():
+            start = int(getattr(model, first)[number])
+            yield getattr(model, name)[start : start + int(getattr(model, count)[number])] if start >= 0 else ()
+        if kind == "hfield":
+            start = int(model.hfield_adr[number])
+            yield model.hfield_data[start : start + int(model.hfield_nrow[number] * model.hfield_ncol[number])]
+        if kind == "texture":
+            start = int(model.tex_adr[number])
+            size = int(model.tex_height[number]) * int(model.tex_width[number]) * int(model.tex_nchannel[number])
+            yield model.tex_data[start : start + size]

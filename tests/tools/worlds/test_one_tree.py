@@ -1,0 +1,203 @@
+"""`build --as worlds`: cells with other geoms and assets are one model, in which each moves as it does alone."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import mjcompose
+import mujoco
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+from mjcompose import worlds
+from mjcompose.cli.main import main
+from mjcompose.tools.worlds import cell_numbers, joint_text
+from mjcompose.tools.worlds.join import WorldGroup
+from mjcompose.tools.worlds.slots import GeomSlot, OwnGeom, with_geoms
+
+FLOOR = '<mujoco><worldbody><geom name="floor" type="plane" size="2 2 .1"/></worldbody></mujoco>'
+ROCK = "0 0 0  .05 0 0  0 .06 0  .01 .01 .07"
+ROCK_FACES = "0 2 1  0 1 3  0 3 2  1 2 3"
+SLAB = "0 0 0  .1 0 0  0 .1 0  .1 .1 0  0 0 .02  .1 0 .02  0 .1 .02  .1 .1 .02"
+HANDLE = "0 0 0  .02 0 0  0 .02 0  .02 .02 0  0 0 .1  .02 0 .1  0 .02 .1  .02 .02 .1"
+BOX_FACES = "0 2 1  1 2 3  4 5 6  5 7 6  0 1 4  1 5 4  2 6 3  3 6 7  0 4 2  2 4 6  1 3 5  3 7 5"
+OBJECTS = {
+    "cube": '<geom name="box" type="box" size=".03 .03 .03" mass=".1" material="paint"/>',
+    "ball": '<geom name="box" type="sphere" size=".04" pos="0 0 .01" mass=".2" friction=".3 .01 .001" material="paint"/>',
+    "hammer": '<geom type="capsule" size=".01 .06" mass=".1"/><geom type="box" size=".02 .04 .02" pos="0 0 .07" mass=".4"/>',
+    "rock": '<geom type="mesh" mesh="one" contype="0" conaffinity="0" mass="0"/><geom type="mesh" mesh="one" mass=".3" condim="4"/>',
+    "slab": '<geom type="mesh" mesh="two" condim="4" density="500"/><geom type="mesh" mesh="one" condim="4" density="700"/>',
+}
+MESHES = {
+    "rock": f'<mesh name="one" vertex="{ROCK}" face="{ROCK_FACES}"/>',
+    "slab": f'<mesh name="one" vertex="{HANDLE}" face="{BOX_FACES}"/><mesh name="two" vertex="{SLAB}" face="{BOX_FACES}"/>',
+}
+COLORS = {"cube": "1 0 0 1", "ball": "0 1 0 1"}
+EXACT = ("ball", "hammer", "rock")
+"""The objects that are the same bit for bit: MuJoCo treats the inertia of the cube specially, and moves a mesh of the
+slab into another frame.
+"""
+RECIPE = """\
+recipe: 1
+name: pick
+base: ./floor.xml
+params: {object: {default: ./cube.xml, choices: [%(files)s]}}
+attach: {object: {model: "${object}", pos: [0, 0, 0.1]}}
+keyframe: {start: {}}
+matrix: {axes: {object: [%(files)s]}, name: "${object}"}
+"""
+DRAWN = """\
+randomize:
+  seed: 3
+  samples: 3
+  fields:
+    mass: {select: {body: object/object}, attr: mass, scale: {uniform: [0.5, 2]}}
+    grip: {select: {geom: floor}, attr: "friction[0]", uniform: [0.3, 1.2]}
+"""
+
+
+def lay_out(folder: Path, names: tuple[str, ...] = tuple(OBJECTS), more: str = "") -> Path:
+    (folder / "floor.xml").write_text(FLOOR)
+    for name in names:
+        material = f'<material name="paint" rgba="{COLORS[name]}"/>' if name in COLORS else ""
+        (folder / f"{name}.xml").write_text(
+            f"<mujoco><asset>{material}{MESHES.get(name, '')}</asset><worldbody>"
+            f'<body name="object"><freejoint name="free"/>{OBJECTS[name]}</body></worldbody></mujoco>'
+        )
+    files = ", ".join(f"./{name}.xml" for name in names)
+    (folder / "pick.yaml").write_text(RECIPE % {"files": files} + more)
+    return folder
+
+
+def run(folder: Path, *arguments: str) -> Result:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        return CliRunner().invoke(main, ["build", "pick.yaml", *arguments])
+
+
+def joint(folder: Path, *arguments: str) -> worlds.Worlds:
+    result = run(folder, "--as", "worlds", "-o", "out/", *arguments)
+    assert result.exit_code == 0, result.output
+    return worlds.load(folder / "out")
+
+
+def alone(folder: Path) -> list[mjcompose.Loaded]:
+    result = run(folder, "--all", "-o", "each/{name}/")
+    assert result.exit_code == 0, result.output
+    return [each.load() for each in mjcompose.load_many(folder / "each")]
+
+
+def thrown(model: mujoco.MjModel, steps: int = 500) -> np.ndarray:
+    """The motion of the object after it was thrown at the floor."""
+    data = mujoco.MjData(model)
+    data.qvel[:] = [-0.8, 0.3, 0, 5, 9, 3]
+    found = []
+    touched = 0
+    for _ in range(steps):
+        mujoco.mj_step(model, data)
+        touched += data.ncon
+        found.append(data.qpos.copy())
+    assert touched > 100
+    return np.array(found)
+
+
+@pytest.fixture(scope="module")
+def pick(tmp_path_factory: pytest.TempPathFactory) -> tuple[worlds.Worlds, list[mjcompose.Loaded]]:
+    folder = lay_out(tmp_path_factory.mktemp("pick"))
+    return joint(folder), alone(folder)
+
+
+def test_each_world_moves_as_its_cell(pick: tuple[worlds.Worlds, list[mjcompose.Loaded]]) -> None:
+    study, built = pick
+    assert study.count == len(built) == len(OBJECTS)
+    for world, each in enumerate(built):
+        name = Path(str(study.table.cells[study.table.cell[world]]["name"])).stem
+        found, wanted = thrown(study.model(world)), thrown(each.model)
+        assert np.abs(found - wanted).max() <= (0 if name in EXACT else 1e-8), name
+
+
+def test_nothing_but_geoms_is_added(pick: tuple[worlds.Worlds, list[mjcompose.Loaded]]) -> None:
+    study, built = pick
+    model = study.nominal
+    for each in built:
+        for size in ("nq", "nv", "nu", "nbody", "njnt"):
+            assert getattr(model, size) == getattr(each.model, size)
+    # The floor; a box, a sphere and a capsule with condim 3; a mesh that touches nothing; two that touch.
+    assert model.ngeom == 7
+    assert study.table.present.sum(axis=1).tolist() == [each.model.ngeom for each in built]
+    assert (study.values("geom_rgba")[~study.table.present] == 0).all()
+    assert model.nmesh == 3 and model.nmat == 2
+
+
+def test_colors_are_those_of_the_cell(pick: tuple[worlds.Worlds, list[mjcompose.Loaded]]) -> None:
+    study, built = pick
+    for world, each in enumerate(built[:2]):
+        model = study.model(world)
+        (slot,) = [at for at in np.flatnonzero(study.table.present[world]) if model.geom_bodyid[at] == 1]
+        assert (model.mat_rgba[model.geom_matid[slot]] == each.model.mat_rgba[0]).all()
+
+
+def test_draws_of_each_cell(tmp_path: Path) -> None:
+    names = ("cube", "ball", "hammer", "rock")
+    folder = lay_out(tmp_path, names, more=DRAWN)
+    study = joint(folder)
+    assert study.count == 12 and study.table.sample.tolist() == [1, 2, 3] * 4
+    built = {(each.manifest.params["object"], each.manifest.sample): each.model for each in alone(folder)}
+    for world in (0, 2, 4, 9, 11):
+        key = study.table.cells[study.table.cell[world]]["object"], int(study.table.sample[world])
+        assert np.allclose(thrown(study.model(world), 200), thrown(built[key], 200), atol=1e-6)
+
+
+def test_a_batch_steps_the_worlds(pick: tuple[worlds.Worlds, list[mjcompose.Loaded]]) -> None:
+    pytest.importorskip("mujoco.batch", reason="MuJoCo 3.17")
+    study, built = pick
+    batch = worlds.mujoco(study, nthread=1)
+    batch.reset()
+    batch.step(nstep=300)
+    for world, each in enumerate(built):
+        data = mujoco.MjData(each.model)
+        mujoco.mj_step(each.model, data, 300)
+        assert np.abs(batch.qpos[world] - data.qpos).max() <= 1e-8
+
+
+def without(name: str) -> Callable[[pytest.MonkeyPatch], None]:
+    plain = WorldGroup.varying
+
+    def change(patch: pytest.MonkeyPatch) -> None:
+        patch.setattr(WorldGroup, "varying", lambda group: (each for each in plain(group) if each[0] != name))
+
+    return change
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (without("geom_friction"), "`geom_friction`"),
+        (without("dof_invweight0"), "`dof_invweight0`"),
+        (without("body_invweight0"), "`body_invweight0`"),
+        (without("geom_dataid"), "`geom_dataid`, `mesh_vert`"),
+        (lambda patch: patch.setattr(cell_numbers, "set_volumes", lambda *_: None), "`bvh_aabb`"),
+        (lambda patch: patch.setattr(joint_text.JointText, "make_convex", lambda *_: None), "`mesh_graph`"),
+    ],
+    ids=["friction", "inverse inertia", "inverse weights", "meshes", "volumes", "hulls"],
+)
+def test_a_wrong_table_is_an_error(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, change: Callable[[pytest.MonkeyPatch], None], said: str
+) -> None:
+    change(monkeypatch)
+    result = run(lay_out(tmp_path), "--as", "worlds", "-o", "out/")
+    assert result.exit_code == 1 and "differs from its world in the joint model" in result.output
+    assert said in result.output and not (tmp_path / "out").exists()
+
+
+def test_geoms_keep_the_order_of_each_cell() -> None:
+    cells = ["abc", "acb", "ba", "cab", "d"]
+    slots: list[GeomSlot] = []
+    for cell, keys in enumerate(cells):
+        slots = with_geoms(slots, [OwnGeom(key, "", number) for number, key in enumerate(keys)], cell)
+    for cell, keys in enumerate(cells):
+        own = [slot for slot in slots if cell in slot.geoms]
+        assert "".join(str(slot.key) for slot in own) == keys
+        assert [slot.geoms[cell] for slot in own] == list(range(len(keys)))
+    assert len(slots) <= 7
