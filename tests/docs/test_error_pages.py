@@ -137,7 +137,9 @@ NOT_A_BUILD = {
     **dict.fromkeys(
         ("cluster-missing", "cluster-unreachable", "cluster-worker"), "need a cluster: tests/tools/cluster"
     ),
-    **dict.fromkeys(("not-a-world", "not-installed", "not-per-world", "worlds-padded"), "is not about a build: tests/tools/worlds"),
+    **dict.fromkeys(
+        ("not-a-world", "not-installed", "not-per-world", "worlds-padded"), "is not about a build: tests/tools/worlds"
+    ),
     "output-full": "needs a disk that is full: tests/kills",
     **dict.fromkeys(
         ("migrate-cannot", "migrate-changed", "migrate-differs", "migrate-python", "migrate-version"),
