@@ -94,7 +94,7 @@ class CellNumbers:
         return Places(every, every)
 
     def values(self, name: str, own: NDArray[Any]) -> NDArray[Any]:
-        """Return numbers of an array as those of the joint model: ids of geoms and assets are others there.
+        """Return numbers of an array for the joint model, which has other ids of geoms and assets.
 
         `own` is the whole array, or for several worlds one whole array for each.
         """
@@ -126,7 +126,7 @@ class CellNumbers:
         return np.ones(self.model.npair, bool)
 
     def _into_frame(self, made: MjModel, slot: int) -> None:
-        """Move a geom into the frame of its mesh in the joint model, so that the mesh stays where it is."""
+        """Move a geom into the frame of its mesh in the joint model; the mesh stays where it is."""
         mesh = int(self.model.geom_dataid[self.geoms[slot]])
         other = int(made.geom_dataid[slot])
         pos, quat, in_body, turn = np.zeros(3), np.zeros(4), np.zeros(3), np.zeros(4)
@@ -166,7 +166,7 @@ _MESH_FRAME = ("mesh_pos", "mesh_quat")
 
 
 class Places:
-    """The flat indices of numbers in an array of the joint model, and in that of the cell."""
+    """The flat indices of numbers in an array of the joint model, and of the same numbers in the cell."""
 
     def __init__(self, joint: NDArray[np.int64], cell: NDArray[np.int64]) -> None:
         self.joint = joint

@@ -1,4 +1,4 @@
-"""The assets of a compiled model by what they contain, so that many models can have each of them once."""
+"""Hashes of the assets of compiled models: a joint model has equal assets once."""
 
 from __future__ import annotations
 

@@ -181,7 +181,7 @@ class JointText:
     def make_convex(self, meshes: Collection[str]) -> None:
         """Let MuJoCo compute the hulls of meshes that no geom of the nominal model touches anything with.
 
-        MuJoCo 4.0 computes a hull only for a mesh that some colliding geom has, or whose inertia is that of its hull.
+        MuJoCo 4.0 computes a hull only for a mesh that some colliding geom has, or if it has the inertia of its hull.
         """
         for element in self.root.iterfind("asset/mesh"):
             if name_of_mesh(element) in meshes:

@@ -51,7 +51,7 @@ def _different_arrays(cell: CellNumbers, made: MjModel, alone: MjModel) -> Itera
 
 
 def _different_geoms(cell: CellNumbers, made: MjModel, alone: MjModel) -> Iterator[str]:
-    """Yield the arrays in which meshes, height fields, absent geoms and bounding volumes are not those of the cell."""
+    """Yield the arrays in which meshes, height fields, absent geoms or bounding volumes differ from the cell."""
     for slot in cell.present.tolist():
         geom = int(cell.geoms[slot])
         kind = _KINDS_WITH_DATA.get(int(alone.geom_type[geom]))

@@ -16,11 +16,11 @@ if TYPE_CHECKING:
 GeomKey: TypeAlias = Hashable
 
 _SHARED = ("type", "contype", "conaffinity", "condim", "priority", "group", "plugin")
-"""What MuJoCo Warp has once for all worlds."""
+"""Properties of geoms that MuJoCo Warp has once for all worlds."""
 
 
 def shared_of(model: MjModel, geom: int) -> GeomKey:
-    """Return what two geoms must have in common to share a slot."""
+    """Return the properties of a geom that another one must have, too, to share its slot."""
     return tuple(int(getattr(model, f"geom_{name}")[geom]) for name in _SHARED)
 
 

@@ -289,16 +289,16 @@ class Worlds(Struct):
         yield from map(self.model, range(self.count) if worlds is None else worlds)
 
     def summary(self) -> str:
-        """Return the worlds in words: `8 cells as one model; nv 15, 52 geoms (47 in the largest cell), …`."""
+        """Return the worlds in words: `8 cells as one model (nv 15, 52 geoms, 26 meshes), in which …`."""
         model = self.nominal
         present = self.table.present
-        largest = f" ({present.sum(axis=1).max()} in the largest cell)" if present.size else ""
+        largest = f"\n  the largest cell has {present.sum(axis=1).max()} geoms" if present.size else ""
         numbers = sum(varying.index.size for varying in self.arrays.values())
         cells = counted(len(self.table.cells), "cell")
         worlds = "" if self.count == len(self.table.cells) else f", {counted(self.count, 'world')}"
         return (
-            f"{cells} as one model{worlds}; nv {model.nv}, {model.ngeom} geoms{largest}, {model.nmesh} meshes;"
-            f" {numbers} numbers of {len(self.arrays)} arrays differ"
+            f"{cells} as one model (nv {model.nv}, {model.ngeom} geoms, {model.nmesh} meshes){worlds}, in which"
+            f" {numbers} numbers of {len(self.arrays)} arrays differ{largest}"
         )
 
     def take(self, worlds: Iterable[int]) -> Worlds:
