@@ -113,7 +113,8 @@ def test_each_world_moves_as_its_cell(pick: tuple[worlds.Worlds, list[mjcompose.
     assert study.count == len(built) == len(OBJECTS)
     for world, each in enumerate(built):
         name = Path(str(study.table.cells[study.table.cell[world]]["name"])).stem
-        found, wanted = thrown(study.model(world)), thrown(each.model)
+        found = thrown(study.model(world))
+        wanted = thrown(each.model)
         assert np.abs(found - wanted).max() <= (0 if name in EXACT else 1e-8), name
 
 

@@ -129,7 +129,10 @@ class CellNumbers:
         """Move a geom into the frame of its mesh in the joint model; the mesh stays where it is."""
         mesh = int(self.model.geom_dataid[self.geoms[slot]])
         other = int(made.geom_dataid[slot])
-        pos, quat, in_body, turn = np.zeros(3), np.zeros(4), np.zeros(3), np.zeros(4)
+        pos = np.zeros(3)
+        quat = np.zeros(4)
+        in_body = np.zeros(3)
+        turn = np.zeros(4)
         mujoco.mju_negPose(pos, quat, self.model.mesh_pos[mesh], self.model.mesh_quat[mesh])
         mujoco.mju_mulPose(in_body, turn, made.geom_pos[slot].copy(), made.geom_quat[slot].copy(), pos, quat)
         mujoco.mju_mulPose(pos, quat, in_body, turn, made.mesh_pos[other].copy(), made.mesh_quat[other].copy())
@@ -137,7 +140,8 @@ class CellNumbers:
         made.geom_quat[slot] = quat
         first = int(made.mesh_vertadr[other])
         vertices = made.mesh_vert[first : first + int(made.mesh_vertnum[other])].astype(float)
-        low, high = vertices.min(axis=0), vertices.max(axis=0)
+        low = vertices.min(axis=0)
+        high = vertices.max(axis=0)
         made.geom_aabb[slot] = np.concatenate(((low + high) / 2, (high - low) / 2)).reshape(made.geom_aabb[slot].shape)
         made.geom_rbound[slot] = np.linalg.norm(np.maximum(np.abs(low), np.abs(high)))
         made.geom_sameframe[slot] = 0
@@ -145,7 +149,8 @@ class CellNumbers:
     def _set_volumes(self, made: MjModel) -> None:
         computed = []
         for body in range(made.nbody):
-            ours, theirs = nodes_of(made, body), nodes_of(self.model, body)
+            ours = nodes_of(made, body)
+            theirs = nodes_of(self.model, body)
             if self._has_same_volumes(body, ours, theirs):
                 made.bvh_aabb[ours.start : ours.stop] = self.model.bvh_aabb[theirs.start : theirs.stop]
             else:

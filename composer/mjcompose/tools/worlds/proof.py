@@ -61,7 +61,8 @@ def _different_geoms(cell: CellNumbers, made: MjModel, alone: MjModel) -> Iterat
         yield "geom_margin"
     framed = {int(made.geom_bodyid[slot]) for slot in cell.reframed}
     for body in range(alone.nbody):
-        ours, theirs = nodes_of(made, body), nodes_of(alone, body)
+        ours = nodes_of(made, body)
+        theirs = nodes_of(alone, body)
         if ours and theirs and body not in framed:
             boxes = made.bvh_aabb[ours.start], alone.bvh_aabb[theirs.start]
             if not np.allclose(*boxes, rtol=_NEAR, atol=_NEAR):
@@ -76,7 +77,8 @@ def _different_data(kind: str, made: tuple[MjModel, int], alone: tuple[MjModel, 
         if not np.array_equal(_heights(*made), _heights(*alone)):
             yield "hfield_data"
         return
-    ours, theirs = _vertices(*made), _vertices(*alone)
+    ours = _vertices(*made)
+    theirs = _vertices(*alone)
     if ours.shape != theirs.shape or not np.allclose(
         ours, theirs, rtol=0, atol=_NEAR_FLOAT * max(1, abs(theirs).max())
     ):

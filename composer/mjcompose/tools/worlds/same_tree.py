@@ -112,7 +112,8 @@ def _different_structure(first: MjModel, other: MjModel) -> str | None:
     for name in arrays(first):
         if is_of_geoms_or_assets(name) or "." in name:
             continue
-        before, now = flat(first, name), flat(other, name)
+        before = flat(first, name)
+        now = flat(other, name)
         if before.size != now.size:
             return f"the array `{name}` has {now.size} numbers, not {before.size}"
         is_structure = before.dtype.kind in "iub" and name not in _SWITCHES | {*GEOM_REFERENCES, *ASSET_REFERENCES}
