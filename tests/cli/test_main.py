@@ -222,6 +222,7 @@ def test_options_are_the_same_everywhere(option: str) -> None:
         ("verify", "gone.zip"),
         ("fmt", "gone.yaml"),
         ("import", "gone.xml", "models/tool.xml"),
+        ("import", "calibration", "gone.yaml", "models/tool.xml", "-o", "robot.yaml"),
         ("diff", "gone.yaml", "cell.yaml"),
     ],
 )

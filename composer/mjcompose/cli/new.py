@@ -140,6 +140,7 @@ def _kept(path: str, folder: Path, files: Mapping[str, str]) -> str:
 
 
 _SHOWN = 20
+_CALIBRATION = "calibration"
 
 
 class ImportOptions(Group):
@@ -164,6 +165,9 @@ class ImportOptions(Group):
     Without PARTS, they are searched for in the folders of --among, in the Menagerie models on this machine, and in
     installed packages. If none are found, the recipe starts from MERGED itself.
 
+    `import calibration FILE MODEL` writes a file of measurements from the calibration of a Universal Robots arm, for
+    `measured: FILE` in the recipe of MODEL.
+
     From a URDF or a xacro template, write a recipe that starts from it, and print which elements are read and why.
 
     Parts are recognized by the names of their bodies, with or without a prefix. Anything that a recipe cannot express
@@ -177,6 +181,8 @@ def import_(options: ImportOptions, run: Run) -> Answer | int:
     merged = options.merged
     parts = options.parts
     context = run.context
+    if str(merged) == _CALIBRATION and not os.path.lexists(merged):
+        return _calibration(options, run)
     target = Path(options.out) if options.out is not None else Path(f"{merged.stem}.yaml")
     if os.path.lexists(target):
         raise click.UsageError(f"{target} exists already: choose another name with -o")
@@ -201,6 +207,25 @@ def import_(options: ImportOptions, run: Run) -> Answer | int:
     if found is None or context.sink.has_errors:
         raise Stop(run.code_of_failure(merged, *parts))
     return _answer(found, target, shown=context.shown(merged), run=run)
+
+
+def _calibration(options: ImportOptions, run: Run) -> Answer:
+    """Write the file of measurements of a calibration."""
+    from mjcompose.tools.calibration import import_calibration
+
+    if len(options.parts) != 2 or options.folders or options.out is None:
+        raise click.UsageError("write `import calibration FILE MODEL -o robots/NAME.yaml`")
+    file, model = options.parts
+    target = Path(options.out)
+    if os.path.lexists(target):
+        raise click.UsageError(f"{target} exists already: choose another name with -o")
+    found = run.need(import_calibration(file, str(model), target.stem, run.context), file, model)
+    rewrite(target, found.text.encode(), run.context)
+    run.check(run.code_of_failure(file, model))
+    flange = f"; the site {found.flange} is the flange" if found.flange is not None else ""
+    words = f"wrote {target}: the poses of {counted(found.bodies, 'body')}{flange}"
+    answer = {"output": str(target), "bodies": found.bodies, "flange": found.flange}
+    return Answer(words, answer, code=0, is_outcome=True)
 
 
 def _check_parts(options: ImportOptions) -> None:
