@@ -460,6 +460,20 @@ def test_a_mujoco_that_is_too_old_is_an_answer(tmp_path: Path, monkeypatch: pyte
     assert compiled.error.startswith("mjcompose builds with MuJoCo 99.1 or newer; MuJoCo")
 
 
+@pytest.mark.own_children
+def test_a_mujoco_that_another_package_pins_names_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "trainer-1.6.0.dist-info").mkdir()
+    words = (
+        "Metadata-Version: 2.1\nName: trainer\nVersion: 1.6.0\nRequires-Dist: mujoco~=3.9.0\nRequires-Dist: numpy<3\n"
+    )
+    (tmp_path / "trainer-1.6.0.dist-info/METADATA").write_text(words + "Requires-Dist: mujoco-mjx==3.9\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr("mjcompose.mujoco.engine.OLDEST", "99.1")
+    error = engine.compile(put_session(tmp_path, GOOD)).error
+    assert error is not None and "; `trainer 1.6.0` requires `mujoco~=3.9.0`" in error
+    assert "mujoco-mjx" not in error and "numpy" not in error
+
+
 def test_a_python_that_cannot_be_started_is_an_answer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(sys, "executable", str(tmp_path / "no_python"))
     compiled = engine.compile(put_session(tmp_path, GOOD))

@@ -201,6 +201,7 @@ _CLOSE = 1e-6
 _NOISE = 1e-9
 _DIGITS = 12
 _POSITION = 1  # the first bit of `actuator_ctrlspec`
+_INPUT = 8  # where `actuator_gainprm` has the `input` of a `dcmotor`, up to MuJoCo 3.11
 _SETPOINTS = 7  # its bits of position, velocity and force; a higher bit is a voltage, or a form of rotation
 
 
@@ -233,6 +234,17 @@ def hold(mujoco: Any, model: MjModel, question: dict[str, Any]) -> dict[str, Any
     return {"ctrl": ctrl, "act": act, "unlike": unlike, "unknown": unknown, "left": left}
 
 
+def _setpoints(mujoco: Any, model: MjModel, index: int, gain: int) -> int:
+    """Return which setpoints the controls of a `pid` or `dcmotor` are, in the bits of `_SETPOINTS`; 0 for others."""
+    gains = mujoco.mjtGain
+    if not hasattr(gains, "mjGAIN_PID"):
+        # MuJoCo 3.11 has no `pid`, and a `dcmotor` has one control: a voltage (0), a position (1) or a velocity (2).
+        return int(model.actuator_gainprm[index, _INPUT]) if gain == int(gains.mjGAIN_DCMOTOR) else 0
+    if gain in (int(gains.mjGAIN_PID), int(gains.mjGAIN_DCMOTOR)):
+        return int(model.actuator_ctrlspec[index]) & _SETPOINTS
+    return 0
+
+
 class _Law:
     """One actuator at the pose: `kind` names its type if no control holds the pose, and is empty otherwise."""
 
@@ -247,9 +259,7 @@ class _Law:
         self.length = float(data.actuator_length[RUNS["actuator"]["nout"].rows(model, index).start])
         gain, bias, dynamic = (int(getattr(model, f"actuator_{name}type")[index]) for name in ("gain", "bias", "dyn"))
         by_plugin = is_by_plugin(model, index)
-        self.spec = 0
-        if hasattr(model, "actuator_ctrlspec") and gain in (int(gains.mjGAIN_PID), int(gains.mjGAIN_DCMOTOR)):
-            self.spec = int(model.actuator_ctrlspec[index]) & _SETPOINTS
+        self.spec = _setpoints(mujoco, model, index, gain)
         self.integrates = dynamic == int(dynamics.mjDYN_INTEGRATOR)
         self.filters = dynamic in (int(dynamics.mjDYN_FILTER), int(dynamics.mjDYN_FILTEREXACT))
         is_direct = dynamic == int(dynamics.mjDYN_NONE) or self.integrates or self.filters

@@ -6,6 +6,7 @@ import contextlib
 import json
 import os
 import queue
+import re
 import shutil
 import signal
 import sys
@@ -137,8 +138,37 @@ class Called(Struct):
     warnings: tuple[str, ...] = ()
 
 
+_BOUND = re.compile(r"(?P<operator>==|~=|<=|<)\s*(?P<version>[\d.]+)")
+
+
+def _too_old(version: str) -> str:
+    """Return a message about an installed MuJoCo, and which packages of the environment do not allow a newer one."""
+    from importlib import metadata  # slow to import, and only this error needs it
+
+    message = f"mjcompose builds with MuJoCo {OLDEST} or newer; MuJoCo {version} can only load models"
+    for distribution in metadata.distributions():
+        for requirement in distribution.requires or ():
+            wanted = requirement.partition(";")[0]
+            is_mujoco = re.match(r"mujoco(?![\w.-])", wanted)
+            if is_mujoco and any(_excludes(bound["operator"], bound["version"]) for bound in _BOUND.finditer(wanted)):
+                message += f"; `{distribution.name} {distribution.version}` requires `{wanted.strip()}`"
+    return message
+
+
+def _excludes(operator: str, version: str) -> bool:
+    """Return whether a bound of a requirement allows neither OLDEST nor anything newer.
+
+    >>> _excludes("~=", "3.9.0"), _excludes("~=", "3.9"), _excludes("<", "4"), _excludes("==", "3.9.*")
+    (True, False, False, True)
+    """
+    bound = version_key(version.strip("."))
+    if operator == "~=":  # `~=3.9.0` is `<3.10`, `~=3.9` is `<4`
+        return (*bound[:-2], bound[-2] + 1) <= version_key(OLDEST)
+    return bound <= version_key(OLDEST) if operator == "<" else bound < version_key(OLDEST)
+
+
 STARTUP_SECONDS = 120.0
-OLDEST = "3.12.0"
+OLDEST = "3.11.0"
 """Older versions of MuJoCo lack features that are used here; bundles can still be loaded with them."""
 _LAST_WORDS = 4096
 
@@ -251,8 +281,7 @@ class Session:
             return _failure(f"MuJoCo cannot be imported in {sys.executable}: {hello['missing']}", "missing")
         if version_key(hello["mujoco"]) < version_key(OLDEST):
             self._stop()
-            message = f"mjcompose builds with MuJoCo {OLDEST} or newer; MuJoCo {hello['mujoco']} can only load models"
-            return _failure(message, "missing")
+            return _failure(_too_old(hello["mujoco"]), "missing")
         self.mujoco_version = hello["mujoco"]
         return None
 
