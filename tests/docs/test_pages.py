@@ -28,6 +28,7 @@ HOW_TO = (
     "python",
     "repeat",
     "simulators",
+    "ros2",
     "teams",
     "from_mjspec",
     "lint",

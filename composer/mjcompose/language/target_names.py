@@ -16,6 +16,7 @@ NAMES = (
     "warp",
     "isaac",
     "urdf",
+    "ros2",
 )
 READ_IN = ("drake", "pinocchio", "pybullet", "newton", "genesis", "mjx", "warp", "urdf")
 """The targets in which a model can be read back."""

@@ -125,8 +125,8 @@ CRASHES = {"timeout": "mujoco-timeout", "missing": "mujoco-missing"}
 
 CRASH_HELP = {
     "mujoco-timeout": "give it more time with `--timeout`, or look for huge counts in `replicate` and `flexcomp`",
-    "mujoco-missing": "install it: `python -m pip install 'mujoco>=3.11'`; if another package needs an older MuJoCo, "
-    "install mjcompose into an environment of its own; or do without MuJoCo: `--no-compile`",
+    "mujoco-missing": "install it: `python -m pip install 'mujoco>=3.11'`, in an environment of its own if another "
+    "package needs an older MuJoCo; or do without it: `--no-compile`",
     "mujoco-crash": "load each part alone in MuJoCo to find the one at fault",
 }
 """Advice for the case that MuJoCo gave no verdict."""

@@ -91,9 +91,9 @@ def _in_root(library: Any | None, root: Path, reference: Reference) -> Source:
     entry = reference.path or _own_model(library, name, entries)
     if not entry:
         message = f"`{reference.text}` does not say which model of `{folder}`"
-        notes = (exists_note("entry", entries).message,)
+        existing = exists_note("entry", entries).message
         help = f"write `menagerie:{name}/{entries[0]}`" if entries else None
-        raise SourceError("source-not-found", message, notes=notes, help=help)
+        raise SourceError("source-not-found", message, notes=(existing,), help=help)
     _check_entry(name, entry, entries)
     return _source(reference, folder / f"{entry}.xml", folder)
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from mjcompose.base.extensions import ExtensionTable, check_rows
 from mjcompose.language.target_names import MUJOCO, NAMES
-from mjcompose.targets import restrictions as limits, simulators
+from mjcompose.targets import restrictions as limits, ros2, simulators
 from mjcompose.targets.target import Draft, FeatureOutcome, Limit, Target, write_mjcf
 from mjcompose.targets.urdf import write_urdf
 
@@ -327,10 +327,34 @@ URDF = Target(
     package="pin",
 )
 
-ALL = (PLAIN, DRAKE, PINOCCHIO, PYBULLET, NEWTON, GENESIS, MJX, WARP, ISAAC, URDF)
+# A ROS package that simulates the MJCF. Its writer records the losses of its URDF.
+ROS2 = Target(
+    "ros2",
+    "ROS 2, a package for `mujoco_ros2_control` with MJCF, URDF, controllers and a launch file",
+    (
+        limits.refused("ball", ".//joint[@type='ball']", "URDF has no ball joints", help="convert it to three hinges"),
+        Limit("names", FeatureOutcome.WRITTEN, ros2.name_joints),
+        Limit("actuators", FeatureOutcome.PARTLY, ros2.refuse_actuators),
+        Limit("gears", FeatureOutcome.WRITTEN, ros2.move_controls_to_joints),
+        *(
+            Limit(feature, outcome, lambda _draft: None)
+            for feature, outcome in (
+                ("roots", FeatureOutcome.WRITTEN),
+                ("shapes", FeatureOutcome.PARTLY),
+                ("equality", FeatureOutcome.PARTLY),
+                ("sensors", FeatureOutcome.PARTLY),
+                ("cameras", FeatureOutcome.LEFT_OUT),
+            )
+        ),
+    ),
+    write=ros2.write_ros2,
+)
+
+ALL = (PLAIN, DRAKE, PINOCCHIO, PYBULLET, NEWTON, GENESIS, MJX, WARP, ISAAC, URDF, ROS2)
 
 
 FEATURES: Mapping[str, str] = {
+    "names": "joints without a name",
     "roots": "several bodies in the world",
     "joints": "several joints of one body",
     "ball": "ball joints",

@@ -6,11 +6,13 @@ import math
 import re
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
+from xml.sax.saxutils import escape
 
 import numpy as np
 from lxml import etree
 from lxml.etree import _Element as Node
 
+from mjcompose.base.dataclass import Struct
 from mjcompose.targets.plain import simple_actuators, text
 from mjcompose.targets.restrictions import greatest_force
 from mjcompose.targets.same import Pose, about, joined, pose, shifted
@@ -287,8 +289,7 @@ def semantics(draft: Draft, name: str, names: list[str], joints: dict[str, Node]
     for first, second, reason in apart:
         if first and second:
             etree.SubElement(root, "disable_collisions", link1=names[first], link2=names[second], reason=reason)
-    etree.indent(root)
-    return etree.tostring(root, xml_declaration=True, encoding="utf-8") + b"\n"
+    return write_xml(root)
 
 
 _OF_KEYS = {"qvel": "velocities", "act": "activations", "ctrl": "controls"}
@@ -324,16 +325,20 @@ ament_package()
 """
 
 
-def write_urdf(draft: Draft) -> dict[str, bytes]:
-    """Return `model.urdf`, `model.srdf`, the meshes and the files of a ROS package, by path."""
-    draft.output = "model.urdf"
-    simple_actuators(draft.root, any_input=True)
+class RobotDescription(Struct):
+    """A model as URDF: the robot, its joints by name, and the name of the link of each body."""
+
+    robot: Node
+    joints: dict[str, Node]
+    links: list[str]
+
+
+def description(draft: Draft, package: str) -> RobotDescription:
+    """Return the links and joints of a model, with meshes under `package://`, and without `ros2_control`."""
     model = draft.model
-    title = str(draft.root.get("model") or "model")
-    package = package_name(title)
     bodies = draft.elements["body"]
     names = [WORLD, *(str(body.get("name") or f"body{number}") for number, body in enumerate(bodies) if number)]
-    robot = etree.Element("robot", name=title)
+    robot = etree.Element("robot", name=title(draft))
     joints: dict[str, Node] = {}
     links = [link(draft, number, name, package=package) for number, name in enumerate(names)]
     root = 1 if _is_floating(model) else 0
@@ -349,17 +354,37 @@ def write_urdf(draft: Draft) -> dict[str, bytes]:
                 joints[str(element.get("name"))] = element
     robot.extend(_sites(draft, names, root))
     mimics(draft, joints)
-    system = control(draft, joints)
+    return RobotDescription(robot, joints, names)
+
+
+def title(draft: Draft) -> str:
+    return str(draft.root.get("model") or "model")
+
+
+def write_xml(root: Node) -> bytes:
+    etree.indent(root)
+    return etree.tostring(root, xml_declaration=True, encoding="utf-8") + b"\n"
+
+
+def meshes(draft: Draft) -> dict[str, bytes]:
+    return {path: content for path, content in draft.files.items() if path.endswith(".obj")}
+
+
+def write_urdf(draft: Draft) -> dict[str, bytes]:
+    """Return `model.urdf`, `model.srdf`, the meshes and the files of a ROS package, by path."""
+    draft.output = "model.urdf"
+    simple_actuators(draft.root, any_input=True)
+    package = package_name(title(draft))
+    described = description(draft, package)
+    system = control(draft, described.joints)
     if system is not None:
-        robot.append(system)
-    etree.indent(robot)
-    meshes = {path: content for path, content in draft.files.items() if path.endswith(".obj")}
+        described.robot.append(system)
     return {
-        draft.output: etree.tostring(robot, xml_declaration=True, encoding="utf-8") + b"\n",
-        "model.srdf": semantics(draft, title, names, joints=joints),
-        "package.xml": _PACKAGE.format(name=package, title=title.replace("&", "&amp;").replace("<", "&lt;")).encode(),
+        draft.output: write_xml(described.robot),
+        "model.srdf": semantics(draft, title(draft), described.links, joints=described.joints),
+        "package.xml": _PACKAGE.format(name=package, title=escape(title(draft))).encode(),
         "CMakeLists.txt": _CMAKE.format(name=package).encode(),
-        **meshes,
+        **meshes(draft),
     }
 
 

@@ -78,7 +78,7 @@ class Choice(Model):
     rules: ClassVar = (
         OneOf("arm", "leg", lacks="has no limb", advice="write `arm: {}`", unless="none", noun="limb"),
         Belongs("toe", "leg"),
-        Needs({"name": "x", "size": "1"}, unless="extends"),
+        Needs({"name": "x", "size": "1"}, unless=("extends",)),
     )
 
     arm: Arm | None = None
