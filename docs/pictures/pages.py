@@ -60,6 +60,11 @@ def rewound(page: Any) -> None:
     page.evaluate("mjcompose.server.back(mjcompose.server.data.time - 2)")
 
 
+def informed(page: Any) -> None:
+    index = "mjcompose.world.model.scene.joint.name.indexOf('arm/elbow')"
+    page.evaluate(f"mjcompose.select({{kind: 'joint', index: {index}}}, true)")
+
+
 def named(page: Any) -> None:
     page.get_by_role("tab", name="Show").click()
     page.get_by_label("names of joints").check()
@@ -100,6 +105,7 @@ def main() -> None:
         take("view", demo, selected)
         take("view_keyframe", demo, posed)
         take("view_names", demo, named)
+        take("view_physics", demo, informed)
         physics = made("view", "recipes/demo.yaml", "--physics")
         take("view_sensors", physics, plotted)
         take("view_time", physics, rewound)

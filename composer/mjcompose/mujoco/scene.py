@@ -13,6 +13,7 @@ import numpy as np
 
 from mjcompose.mujoco.addresses import RUNS
 from mjcompose.mujoco.attributes import KINDS, NameTable, names, place
+from mjcompose.mujoco.controls import servo
 from mjcompose.mujoco.film import png
 
 if TYPE_CHECKING:
@@ -66,16 +67,18 @@ COLUMNS: dict[str, dict[str, str]] = {
         for column, _, array in (each.partition("=") for each in columns.split())
     }
     for kind, columns in {
-        "body": "parent=parentid pos quat mass inertia ipos iquat mocap=mocapid",
-        "joint": "body=bodyid type pos axis range limited qpos=qposadr group",
-        "geom": "body=bodyid type pos quat size data=dataid material=matid rgba group contype conaffinity",
+        "body": "parent=parentid pos quat mass inertia ipos iquat mocap=mocapid gravcomp weld=weldid",
+        "joint": "body=bodyid type pos axis range limited qpos=qposadr group stiffness margin solref solimp"
+        " forcerange=actfrcrange forcelimited=actfrclimited",
+        "geom": "body=bodyid type pos quat size data=dataid material=matid rgba group contype conaffinity"
+        " friction priority condim margin gap solref solimp",
         "site": "body=bodyid type pos quat size material=matid rgba group",
         "camera": "body=bodyid mode target=targetbodyid pos quat fovy pos0 mat0 poscom0",
         "light": "body=bodyid type pos dir active shadow=castshadow ambient diffuse specular cutoff exponent"
         " attenuation",
         "material": "rgba repeat=texrepeat uniform=texuniform emission specular shininess reflectance",
         "tendon": "first=adr count=num rgba material=matid width group range limited",
-        "actuator": "transmission=trntype target=trnid gear",
+        "actuator": "transmission=trntype target=trnid gear forcerange forcelimited",
         "sensor": "first=adr count=dim",
         "key": "time qpos ctrl mpos mquat",
     }.items()
@@ -95,6 +98,16 @@ def columns(model: MjModel) -> dict[str, dict[str, list[Any]]]:
         "control": short(first),
         "range": short(model.actuator_ctrlrange),
         "limited": short(model.actuator_ctrllimited),
+    }
+    freedom = np.asarray(model.jnt_dofadr)  # the first axis of each joint; the others have the same numbers
+    for column in ("damping", "armature", "frictionloss"):
+        found["joint"][column] = short(getattr(model, f"dof_{column}")[freedom])
+    found["joint"]["rest"] = short(model.qpos_spring[model.jnt_qposadr])
+    gains = [servo(model, actuator) or {} for actuator in range(len(model.actuator_trntype))]
+    found["actuator"] |= {name: [each.get(name) for each in gains] for name in ("gain", "kp", "kv")}
+    found["pair"] = {
+        name: short(getattr(model, f"pair_{array}"))
+        for name, array in (("one", "geom1"), ("other", "geom2"), ("friction", "friction"), ("condim", "dim"))
     }
     signatures = [int(each) for each in model.exclude_signature]  # both bodies in one number
     found["exclude"] = {"body1": [each >> 16 for each in signatures], "body2": [each & 0xFFFF for each in signatures]}
@@ -467,6 +480,7 @@ def describe(mujoco: Any, model: MjModel, asked: Mapping[str, Any]) -> dict[str,
     found["flex"] = [_flex(model, data, number, blobs=blobs) for number in range(model.nflex)]
     found["wrap"] = wraps(model)
     found["poses"] = list(poses(mujoco, model, data))
+    found["filterparent"] = not model.opt.disableflags & int(mujoco.mjtDisableBit.mjDSBL_FILTERPARENT)
     found |= {"qpos0": short(model.qpos0), "timestep": float(model.opt.timestep), "look": _look(model)}
     text = json.dumps(found, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
     (folder / FILE).write_text(text, encoding="utf-8")

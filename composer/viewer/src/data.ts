@@ -135,6 +135,8 @@ export interface Scene {
   actuator: Columns;
   key: Columns;
   exclude: { body1: number[]; body2: number[] };
+  pair: Record<"one" | "other" | "friction" | "condim", number[]>;
+  filterparent: boolean;
   mesh: string[];
   meshes?: string[];
   hfield: HeightField[];
@@ -146,7 +148,13 @@ export interface Scene {
   qpos0: number[];
   timestep: number;
   look: Look;
-  origins: { files: string[]; parts: Part[]; of: Record<string, Origin[]>; exclude: Excluded[] };
+  origins: {
+    files: string[];
+    parts: Part[];
+    of: Record<string, Origin[]>;
+    values: Record<string, Record<string, Place>[]>;
+    exclude: Excluded[];
+  };
   editor?: { template: string; files: Record<string, string> };
   key_named?: string | null;
   choices?: Choice[];

@@ -12,6 +12,7 @@ import {
 } from "./data";
 import { copy, h } from "./dom";
 import { BALL, FREE, HINGE, SLIDE } from "./kinematics";
+import { factsOf, touches } from "./mechanics";
 import { colourOf } from "./paint";
 import { SHAPE_NAMES } from "./shapes";
 import { bodyOf, nameOf } from "./tree";
@@ -82,9 +83,41 @@ export class Info {
         h("span", { className: "badge" }, kind),
       ),
       facts,
+      ...this.mechanics(element),
       ...(origin ? this.origin(origin) : []),
       ...(element.kind === "body" ? this.excluded(element.index) : []),
     ];
+  }
+
+  /** The values that act on an element, each with the line that wrote it. */
+  private *mechanics(element: Element): Generator<HTMLElement> {
+    const { scene } = this.model;
+    const rows = [...factsOf(scene, element)].flatMap(({ what, value, from, of }) => {
+      const owner = of ?? element;
+      const places = scene.origins.values?.[owner.kind]?.[owner.index] ?? {};
+      const written = from.map((name) => places[name]).find((place) => place);
+      return [h("dt", {}, what), h("dd", {}, value, written ? " " : null, this.place(written ?? null, true))];
+    });
+    if (rows.length) {
+      yield h("h3", {}, "Physics");
+      yield h("dl", { className: "mechanics" }, ...rows);
+    }
+    if (element.kind !== "geom") {
+      return;
+    }
+    const { shown, more } = touches(scene, element.index);
+    if (shown.length) {
+      yield h("h3", {}, "Sliding friction that acts");
+      yield h(
+        "dl",
+        { className: "touches" },
+        ...shown.flatMap(({ other, friction, why }) => [
+          h("dt", {}, neat(friction)),
+          h("dd", {}, this.link({ kind: "geom", index: other }), h("span", { className: "why" }, why && ` ${why}`)),
+        ]),
+      );
+      yield h("p", { className: "hint" }, more ? `and ${more} more geoms` : "");
+    }
   }
 
   /** The bodies that a body is kept from touching, each with the reason, if it has one, and its place. */
@@ -150,7 +183,7 @@ export class Info {
       yield ["parent", this.link({ kind: "body", index: body.parent[index] })];
     }
     yield ["mass", `${neat(body.mass[index])} kg`];
-    yield ["inertia", list(row(body.inertia, index, 3), " kg·m²")];
+    yield ["principal moments", list(row(body.inertia, index, 3), " kg·m²")];
     yield ["center of mass", list(row(body.ipos, index, 3), " m")];
     yield ["position", list(row(body.pos, index, 3), " m")];
     if (body.mocap[index] >= 0) {
@@ -209,17 +242,19 @@ export class Info {
     }
   }
 
-  private place(place: Place | null): HTMLElement | null {
+  /** The place of a line, as a link where an editor can open it; a `short` one has only the name of the file. */
+  private place(place: Place | null, short = false): HTMLElement | null {
     if (!place) {
       return null;
     }
     const { files } = this.model.scene.origins;
     const { editor } = this.model.scene;
     const [file, line, column] = place;
-    const text = `${files[file]}:${line}`;
+    const whole = `${files[file]}:${line}`;
+    const text = short ? whole.slice(whole.lastIndexOf("/") + 1) : whole;
     const path = editor?.files[files[file]];
     if (!path) {
-      return h("code", { title: "copy", className: "place", onclick: () => copy(text) }, text);
+      return h("code", { title: `copy ${whole}`, className: "place", onclick: () => copy(whole) }, text);
     }
     if (host) {
       return h(
@@ -227,7 +262,7 @@ export class Info {
         {
           className: "place",
           href: "#",
-          title: "open in the editor",
+          title: `open ${whole} in the editor`,
           onclick: (event: Event) => {
             event.preventDefault();
             host!.open(path, line, column);
@@ -240,7 +275,7 @@ export class Info {
       .replaceAll("{file}", path.split("/").map(encodeURIComponent).join("/"))
       .replaceAll("{line}", String(line))
       .replaceAll("{column}", String(column));
-    return h("a", { className: "place", href, title: "open in the editor" }, text);
+    return h("a", { className: "place", href, title: `open ${whole} in the editor` }, text);
   }
 
   private *origin([place, part, words, changes]: NonNullable<Origin>): Generator<HTMLElement> {

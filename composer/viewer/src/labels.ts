@@ -57,9 +57,7 @@ export class Labels {
   private readonly places = new Map<string, number>();
   private readonly widths = new Map<string, number>();
 
-  constructor(private readonly stage: Stage) {
-    stage.canvas.after(this.canvas);
-  }
+  constructor(private readonly stage: Stage) {}
 
   set(kind: Named, on: boolean): void {
     if (on) {
@@ -76,6 +74,9 @@ export class Labels {
     canvas.hidden = !this.shown.size || !world;
     if (canvas.hidden || !world) {
       return;
+    }
+    if (!canvas.isConnected) {
+      picture.after(canvas);
     }
     const width = picture.clientWidth;
     const height = picture.clientHeight;

@@ -39,6 +39,8 @@ from mjcompose.text.node import Mapping, Node, Scalar, find
 from mjcompose.trace import query
 from mjcompose.trace.explanation import Reason
 from mjcompose.trace.traced import Traced
+from mjcompose.tree.classes import given
+from mjcompose.tree.select import kind_of
 
 CELL = "cell"
 _MOST_CELLS = 200
@@ -121,6 +123,17 @@ class ShortNames(Struct, frozen=False):
 
 KINDS = ("body", "joint", "geom", "site", "camera", "light", "tendon", "actuator", "key", "skin", "flex")
 _MOST_CHANGES = 12
+VALUES: dict[str, frozenset[str]] = {
+    kind: frozenset(attributes.split())
+    for kind, attributes in {
+        "body": "pos gravcomp",
+        "joint": "range damping armature frictionloss stiffness springref actuatorfrcrange solreflimit solimplimit"
+        " margin axis",
+        "geom": "size friction priority condim margin gap solref solimp contype conaffinity mass density",
+        "actuator": "kp kv gear ctrlrange forcerange gainprm biasprm",
+    }.items()
+}
+"""Attributes whose places the page shows next to their values."""
 
 
 def nodes_of(kind: str, names: Sequence[str], traced: Traced) -> list[Any]:
@@ -152,11 +165,28 @@ class PageOrigins:
         """Return for each kind the place, part, words and changes of each element, and rows for `excluded` pairs."""
         traced = self.side.traced
         of: dict[str, list[Any]] = {}
+        values: dict[str, list[Any]] = {}
         if traced is not None:
-            for kind in filter(names.__contains__, KINDS):
-                of[kind] = list(map(self._element, nodes_of(kind, names[kind], traced)))
+            nodes = {kind: nodes_of(kind, names[kind], traced) for kind in KINDS if kind in names}
+            of = {kind: list(map(self._element, each)) for kind, each in nodes.items()}
+            values = {kind: [self._values(node, kind) for node in nodes[kind]] for kind in VALUES if kind in nodes}
         exclude = self._of_excludes(excluded)  # before `files`, which lists its files too
-        return {"files": list(self._files), "parts": self._part_rows, "of": of, "exclude": exclude}
+        parts = self._part_rows
+        return {"files": list(self._files), "parts": parts, "of": of, "values": values, "exclude": exclude}
+
+    def _values(self, node: Any, kind: str) -> dict[str, Place]:
+        """Return the place of each attribute that acts on an element: its own, or the attribute of a default class."""
+        traced = self.side.traced
+        if node is None or traced is None:
+            return {}
+        asked = VALUES[kind]
+        form = kind_of(node)
+        found = {}
+        if form.takes_class:
+            levels = given(node, form, traced.classes)
+            found = {each.name: self._place(traced.written_at(level.writer, each.name)) for each, level in levels}
+        found |= {name: self._place(traced.written_at(node, name)) for name in asked if node.get(name) is not None}
+        return {name: place for name, place in found.items() if place is not None and name in asked}
 
     def _of_excludes(self, pairs: Sequence[tuple[str, str]]) -> list[Any]:
         """Return for each pair its place, its words, and the reason for its exclusion, or null."""
