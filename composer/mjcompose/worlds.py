@@ -18,14 +18,16 @@ from mjcompose import _lazy
 if TYPE_CHECKING:
     from mjcompose.tools.worlds.join import gather
     from mjcompose.tools.worlds.simulators import mjlab, mjx, mujoco, warp, warp_data
+    from mjcompose.tools.worlds.switching import switch
     from mjcompose.tools.worlds.worlds import Table, Varying, Worlds, load
 
-__all__ = ["Table", "Varying", "Worlds", "gather", "load", "mjlab", "mjx", "mujoco", "warp", "warp_data"]
+__all__ = ["Table", "Varying", "Worlds", "gather", "load", "mjlab", "mjx", "mujoco", "switch", "warp", "warp_data"]
 __getattr__, __dir__ = _lazy(
     globals(),
     {
         "tools.worlds.join": "gather",
         "tools.worlds.simulators": "mjlab mjx mujoco warp warp_data",
+        "tools.worlds.switching": "switch",
         "tools.worlds.worlds": "Table Varying Worlds load",
     },
 )

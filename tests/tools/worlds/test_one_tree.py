@@ -14,6 +14,7 @@ from mjcompose import worlds
 from mjcompose.cli.main import main
 from mjcompose.tools.worlds import cell_numbers, joint_text
 from mjcompose.tools.worlds.join import WorldGroup
+from mjcompose.tools.worlds.shared import check_shapes, difference
 from mjcompose.tools.worlds.slots import GeomSlot, OwnGeom, with_geoms
 
 FLOOR = '<mujoco><worldbody><geom name="floor" type="plane" size="2 2 .1"/></worldbody></mujoco>'
@@ -160,6 +161,78 @@ def test_a_batch_steps_the_worlds(pick: tuple[worlds.Worlds, list[mjcompose.Load
         data = mujoco.MjData(each.model)
         mujoco.mj_step(each.model, data, 300)
         assert np.abs(batch.qpos[world] - data.qpos).max() <= 1e-8
+
+
+def test_shares_of_worlds(pick: tuple[worlds.Worlds, list[mjcompose.Loaded]]) -> None:
+    study, _ = pick
+    assert study.assign(7).table.cell.tolist() == [0, 1, 2, 3, 4, 0, 1]
+    few = study.assign(10, weights={"object": {"./ball.xml": 3, "./slab.xml": 0, "./rock.xml": 0}})
+    assert np.bincount(few.table.cell, minlength=5).tolist() == [2, 6, 2, 0, 0]
+    assert (few.values("geom_size")[1] == study.values("geom_size")[few.table.cell[1]]).all()
+    assert set(few.table.cell[:5]) == {0, 1, 2}
+    assert few.assign(5).table.cell.tolist() == [0, 1, 2, 3, 4]
+
+
+@pytest.mark.parametrize(
+    ("weights", "said"),
+    [
+        ({"object": {"./bal.xml": 3}}, "`weights.object` has `./bal.xml`, which is no value of the axis"),
+        ({"objet": {"./ball.xml": 3}}, "the worlds have no axis `objet`"),
+        ({"object": {f"./{name}.xml": 0 for name in OBJECTS}}, "all weights are 0"),
+        ({"object": {"./ball.xml": -1}}, "the weight of `./ball.xml` is -1"),
+    ],
+)
+def test_wrong_weights(
+    pick: tuple[worlds.Worlds, list[mjcompose.Loaded]], weights: dict[str, dict[str, float]], said: str
+) -> None:
+    with pytest.raises(mjcompose.LoadError, match=said):
+        pick[0].assign(8, weights=weights)
+
+
+def test_warp_steps_the_worlds_and_switches_them(pick: tuple[worlds.Worlds, list[mjcompose.Loaded]]) -> None:
+    """Half of the worlds get other cells in place; the others move as without that, bit for bit."""
+    mujoco_warp = pytest.importorskip("mujoco_warp", reason="mujoco-warp is not installed")
+    study = pick[0].assign(6)
+
+    def moved(study: worlds.Worlds, model: mujoco_warp.Model, data: mujoco_warp.Data) -> np.ndarray:
+        data.qpos.assign(study.values("qpos0").astype(np.float32))
+        for _ in range(100):
+            mujoco_warp.step(model, data)
+        return data.qpos.numpy().copy()
+
+    model = worlds.warp(study)
+    address = model.geom_dataid.ptr
+    data = worlds.warp_data(study, nconmax=40, njmax=160)
+    before = moved(study, model, data)
+    wanted = []
+    for each in study.models():
+        own = mujoco.MjData(each)
+        mujoco.mj_step(each, own, 100)
+        wanted.append(own.qpos.copy())
+    assert np.allclose(before, wanted, atol=1e-4)
+    data = worlds.warp_data(study, nconmax=40, njmax=160)
+    other = worlds.switch(model, data, study, worlds=[0, 2, 4], cells=["./rock.xml", 0, 1])
+    assert other.table.cell.tolist() == [3, 1, 0, 3, 1, 0] and model.geom_dataid.ptr == address
+    after = moved(other, model, data)
+    assert (after[[1, 3, 5]] == before[[1, 3, 5]]).all()
+    assert (after[[0, 2, 4]] == before[[3, 0, 1]]).all()
+
+
+def test_what_mjx_has_once(pick: tuple[worlds.Worlds, list[mjcompose.Loaded]], tmp_path: Path) -> None:
+    with pytest.raises(
+        mjcompose.LoadError, match="these cells differ in the mesh of #. of body `object/object`"
+    ) as caught:
+        check_shapes(pick[0].take([3, 4]))
+    assert caught.value.diagnostics[0].code == "not-per-world"
+    with pytest.raises(mjcompose.LoadError, match=r"the cell `./cube.xml` lacks that of #. of body `object/object`"):
+        check_shapes(joint(lay_out(tmp_path, ("cube", "rock"))))
+
+
+def test_an_error_names_cells_and_the_element(pick: tuple[worlds.Worlds, list[mjcompose.Loaded]]) -> None:
+    assert (
+        difference(pick[0], "geom_friction")
+        == "these cells differ in it: `./cube.xml`, `./ball.xml`, of the geom #2 of body `object/object`"
+    )
 
 
 def without(name: str) -> Callable[[pytest.MonkeyPatch], None]:

@@ -20,6 +20,7 @@ from mjcompose.mujoco.varying import MEANS, flat, value_of, whose
 from mjcompose.targets.table import TARGETS
 from mjcompose.targets.target import OPTION, UnsupportedElement
 from mjcompose.tools.worlds.names import LoadError, failure
+from mjcompose.tools.worlds.shared import INSTEAD, check_shapes, shared_error
 from mjcompose.tools.worlds.start import NumbersOfWorlds, of_arrays, put_starts
 from mjcompose.tools.worlds.worlds import Worlds, with_numbers
 
@@ -59,7 +60,6 @@ def mujoco(worlds: Worlds, nthread: int = 0, *, persistent: bool = False) -> Any
     return batch
 
 
-_INSTEAD = "remove its changes from the recipe, or use `worlds.mujoco`"
 _OF_SLEEP = "dof_length"
 _FLUID = ("opt.density", "opt.viscosity", "opt.wind")
 """The options of a fluid."""
@@ -120,7 +120,7 @@ def per_world(model: Any, worlds: Worlds) -> list[str]:
         if _can_vary(model, name):
             names.append(name)
         elif hasattr(*_owner(model, name)) and is_stepped(name) and name not in unread(worlds):
-            raise failure("not-per-world", f"MuJoCo Warp shares `{name}` among all worlds", _INSTEAD)
+            raise shared_error("MuJoCo Warp", worlds, name)
     return names
 
 
@@ -181,6 +181,7 @@ def mjx(worlds: Worlds, model: Any = None) -> tuple[Any, Any]:
     except ImportError as error:
         help = "`pip install mujoco-mjx`"
         raise failure("not-installed", f"`mujoco.mjx` cannot be used: {error}", help) from error
+    check_shapes(worlds)
     simulator = Simulator("mjx", module.put_model)
     plain = simulator.take(worlds, worlds.nominal)
     base = plain if model is None else model
@@ -189,7 +190,7 @@ def mjx(worlds: Worlds, model: Any = None) -> tuple[Any, Any]:
         leaf = _leaf(plain, name)
         if leaf is None or not isinstance(leaf, jax.Array):
             if leaf is not None and is_stepped(name):
-                raise failure("not-per-world", f"MJX shares `{name}` among all worlds", _INSTEAD)
+                raise shared_error("MJX", worlds, name)
             continue
         theirs = _leaf(base, name)
         if getattr(theirs, "shape", None) != leaf.shape:
@@ -236,7 +237,7 @@ def mjlab(worlds: Worlds, entity: str | None = None) -> dict[str, Any]:
     names = [name for name in per_world(simulator.take(worlds, worlds.nominal), worlds) if is_stepped(name)]
     dotted = [name for name in names if "." in name]
     if dotted:
-        raise failure("not-per-world", f"mjlab shares `{dotted[0]}` among all worlds", _INSTEAD)
+        raise failure("not-per-world", f"mjlab shares `{dotted[0]}` among all worlds", INSTEAD)
     check_nothing_is_shared(worlds, simulator, [*names, *unread(worlds)])
 
     def set_worlds(env: Any, env_ids: Any = None) -> None:
@@ -393,7 +394,7 @@ def check_nothing_is_shared(worlds: Worlds, simulator: Simulator, varied: Collec
             shared += [] if only_more_flags else [name]  # additional flags only cost time
     if shared:
         message = f"{simulator.name} shares {_listed(shared)} among all worlds, computed from what differs"
-        raise failure("not-per-world", message, _INSTEAD, notes=[f"these worlds differ in {_listed(worlds.arrays)}"])
+        raise failure("not-per-world", message, INSTEAD, notes=[f"these worlds differ in {_listed(worlds.arrays)}"])
 
 
 def _listed(names: Iterable[str]) -> str:

@@ -28,6 +28,7 @@ from mjcompose.mujoco.varying import Whose, flat, put, stored, value_of, whose
 from mjcompose.text.expression import Value
 from mjcompose.tools.worlds.load import Model as LoadModel, load as load_bundle
 from mjcompose.tools.worlds.names import Index, failure
+from mjcompose.tools.worlds.shares import Weights, shared_out, weights_of, worlds_of_cells
 
 if TYPE_CHECKING:
     from mjcompose.mujoco.model_types import MjModel
@@ -255,7 +256,8 @@ class Worlds(Struct):
 
     `table` has the cell of the recipe's matrix and the sample of each world; without a matrix world `n` is sample
     `n + 1`. The arrays include values that depend on drawn ones: `body_subtreemass`, `dof_invweight0`, `qpos0` and
-    others, so you need not compute them again. `stat.meaninertia` is a number of `model.stat`.
+    others, so you need not compute them again. `stat.meaninertia` is a number of `model.stat`. `assign`
+    chose these worlds from those of `pool`.
     """
 
     nominal: LoadModel
@@ -263,6 +265,7 @@ class Worlds(Struct):
     index: Index
     table: Table
     sources: tuple[Path, ...] = ()
+    pool: Worlds | None = None
 
     @property
     def arrays(self) -> Mapping[str, Varying]:
@@ -316,6 +319,41 @@ class Worlds(Struct):
             has=self.table.has[chosen] if self.table.parts else self.table.has,
         )
         return replace(self, table=table)
+
+    def assign(self, count: int, weights: Weights | None = None) -> Worlds:
+        """Return `count` worlds, divided among the cells by their weights, and each cell spread over all worlds.
+
+            study = study.assign(4096, weights={"object": {"mug": 3, "can": 0}})
+
+        `weights` are by axis and value: 1 for values without one, and 0 keeps a cell out. Weights of several axes
+        multiply. A cell gets the whole part of its share, and the largest remainders get the rest. Samples of a cell
+        follow in turn. Raises LoadError.
+        """
+        pool = self.pool or self
+        cells = shared_out(count, weights_of(pool.table.cells, weights or {}))
+        turns = np.zeros(len(pool.table.cells), np.int64)
+        places = []
+        for cell in cells.tolist():
+            places.append(int(turns[cell]))
+            turns[cell] += 1
+        return replace(pool.take(worlds_of_cells(pool.table.cell, cells, places).tolist()), pool=pool)
+
+    def with_rows(self, worlds: NDArray[np.int64], pool: Worlds, rows: NDArray[np.int64]) -> Worlds:
+        """Return the same worlds, some of which are now these worlds of the pool."""
+        table = self.table
+        arrays = {}
+        for name, own in self.arrays.items():
+            values = own.values.copy()
+            values[worlds] = pool.arrays[name].values[rows]
+            arrays[name] = Varying(own.index, values)
+        cell = table.cell.copy()
+        sample = table.sample.copy()
+        has = table.has.copy()
+        cell[worlds] = pool.table.cell[rows]
+        sample[worlds] = pool.table.sample[rows]
+        if table.parts:
+            has[worlds] = pool.table.has[rows]
+        return replace(self, table=replace(table, arrays=arrays, cell=cell, sample=sample, has=has), pool=pool)
 
     def values(self, name: str) -> NDArray[Any]:
         """Return an array in all worlds, `(worlds, *shape)`, including equal numbers.
