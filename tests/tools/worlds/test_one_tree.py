@@ -176,7 +176,7 @@ def test_shares_of_worlds(pick: tuple[worlds.Worlds, list[mjcompose.Loaded]]) ->
 @pytest.mark.parametrize(
     ("weights", "said"),
     [
-        ({"object": {"./bal.xml": 3}}, "`weights.object` has `./bal.xml`, which is no value of the axis"),
+        ({"object": {"./bal.xml": 3}}, "`weights.object` has `./bal.xml`, which is not a value of the axis"),
         ({"objet": {"./ball.xml": 3}}, "the worlds have no axis `objet`"),
         ({"object": {f"./{name}.xml": 0 for name in OBJECTS}}, "all weights are 0"),
         ({"object": {"./ball.xml": -1}}, "the weight of `./ball.xml` is -1"),

@@ -18,7 +18,7 @@ Cells: TypeAlias = Sequence[Mapping[str, Value | None]]
 
 
 def weights_of(cells: Cells, weights: Weights) -> NDArray[np.float64]:
-    """Return the weight of each cell: those of its values, multiplied. Raises LoadError."""
+    """Return the weight of each cell, the product of the weights of its values. Raises LoadError."""
     found = np.ones(len(cells))
     for axis, chosen in weights.items():
         values = [cell.get(axis) for cell in cells]
@@ -29,7 +29,7 @@ def weights_of(cells: Cells, weights: Weights) -> NDArray[np.float64]:
         for value, weight in chosen.items():
             has = np.array([each == value or str(each) == str(value) for each in values])
             if not has.any():
-                message = f"`weights.{axis}` has `{value}`, which is no value of the axis"
+                message = f"`weights.{axis}` has `{value}`, which is not a value of the axis"
                 note = exists_note("value", known, str(value)).message
                 raise failure("out-of-range", message, did_you_mean(str(value), known), notes=[note])
             if not 0 <= weight < np.inf:
@@ -51,7 +51,10 @@ def shared_out(count: int, weights: NDArray[np.float64]) -> NDArray[np.int64]:
 
 
 def worlds_of_cells(cell: NDArray[np.int64], wanted: NDArray[np.int64], places: Iterable[int]) -> NDArray[np.int64]:
-    """Return a world of each wanted cell, its samples in turn by the place: `cell` has the cell of each world."""
+    """Return a world of each `wanted` cell; `cell` has the cell of each world.
+
+    A place, counted from 0, says which sample of the cell it is; after the last sample comes the first one again.
+    """
     samples = {number: np.flatnonzero(cell == number) for number in np.unique(wanted).tolist()}
     return np.array(
         [samples[each][place % len(samples[each])] for each, place in zip(wanted.tolist(), places, strict=True)],
