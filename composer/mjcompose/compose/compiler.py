@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
 from mjcompose.base.diagnostic import Note, Path
 from mjcompose.base.sink import Sink
@@ -34,6 +34,13 @@ def check_assumed(settings: CompilerSettings, unit: Unit, plan: Plan, at: Path, 
         sink.warning(UNUSED, message, locate(plan.document, (*at, "compiler", name)), notes=notes, help=help)
 
 
+def _in_words(bodies: Sequence[RecipeElement]) -> str:
+    if len(bodies) > 1:
+        return f"{len(bodies)} bodies"
+    name = bodies[0].attributes.get("name", "")
+    return f"the body `{name}`" if name else "the body"
+
+
 def note_rules_of_base(plan: Plan, linking: Linking) -> None:
     """Note that rules about masses of the base do not reach the bodies that the recipe adds."""
     settings = linking.base.settings
@@ -42,9 +49,7 @@ def note_rules_of_base(plan: Plan, linking: Linking) -> None:
     if not rules or not added or not linking.composed:
         return
     listed = ", ".join(f"`{name}`" for name in rules)
-    bodies = [each for step in added for each in _bodies((step.element,))]
-    name = bodies[0].attributes.get("name", "") if len(bodies) == 1 else ""
-    which = f"the body `{name}`" if name else f"{len(bodies)} bodies" if len(bodies) > 1 else "the body"
+    which = _in_words([body for step in added for body in _bodies((step.element,))])
     verb = "does" if len(rules) == 1 else "do"
     message = f"{listed} of `{linking.base.file}` {verb} not apply to {which} that the recipe adds"
     compilers = linking.base.root.iterchildren("compiler")

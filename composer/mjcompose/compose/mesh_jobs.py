@@ -152,14 +152,17 @@ def _is_shape(shape: Any) -> bool:
     wanted = _SHAPES[shape["type"]]
     if {*shape} != {"type", *wanted}:
         return False
-    if shape["type"] != "mesh":
-        widths = ((1, 3), (3, 3), (4, 4))
-        return all(
-            isinstance(shape[name], list) and low <= len(shape[name]) <= high and all(map(_is_number, shape[name]))
-            for name, (low, high) in zip(wanted, widths, strict=True)
-        )
-    vertices = shape["vertices"]
-    faces = shape["faces"]
+    if shape["type"] == "mesh":
+        return _is_mesh(shape["vertices"], shape["faces"])
+    widths = ((1, 3), (3, 3), (4, 4))
+    return all(
+        isinstance(shape[name], list) and low <= len(shape[name]) <= high and all(map(_is_number, shape[name]))
+        for name, (low, high) in zip(wanted, widths, strict=True)
+    )
+
+
+def _is_mesh(vertices: Any, faces: Any) -> bool:
+    """Return whether the data are vertices and the corners of faces among them."""
     if not isinstance(vertices, list) or not isinstance(faces, list) or len(vertices) < 4 or len(faces) < 4:
         return False
     if not all(isinstance(each, list) and len(each) == 3 for each in (*vertices, *faces)):

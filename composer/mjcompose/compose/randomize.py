@@ -262,12 +262,16 @@ class _FieldDraws(Struct, frozen=False):
         count = None if is_mass or subscript is not None else self._count(node)
         bases = now if isinstance(now, tuple) else (now,)
         for component in range(count or 1):
-            if not must_not_be_negative(name, component if subscript is None else subscript):
-                continue
-            if entry.operation != "offset" and min(distribution.extremes(component), default=0.0) >= 0:
-                continue
-            base = self.masses.of(node, entry.drawn_at) if is_mass else bases[component]
-            self._check_numbers(node, samples, component, base=base)
+            if self._may_be_refused(name, component, subscript):
+                base = self.masses.of(node, entry.drawn_at) if is_mass else bases[component]
+                self._check_numbers(node, samples, component, base=base)
+
+    def _may_be_refused(self, name: str, component: int, subscript: int | None) -> bool:
+        """Return whether a draw may make a number negative that must not be."""
+        if not must_not_be_negative(name, component if subscript is None else subscript):
+            return False
+        entry = self.step.field
+        return entry.operation == "offset" or min(entry.distribution.extremes(component), default=0.0) < 0
 
     def _check_numbers(self, node: Node, samples: Sequence[int], component: int, base: Any) -> None:
         entry = self.step.field

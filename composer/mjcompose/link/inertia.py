@@ -221,47 +221,64 @@ def _write_fitted(kept: KeptSettings, geom: Node, sizes: int, found: Survey) -> 
 
 def lengthranges(linking: Linking) -> None:
     """Measure the actuators of each unit that has rules of its own; the model keeps MuJoCo's rules."""
-    name = "actuator_lengthrange"
+    if not linking.parts:
+        return
+    for unit in linking.units:
+        rules = list(unit.root.iter("lengthrange"))
+        actuators = unit.root.findall("actuator/*")
+        measured: list[float] | None = []
+        if not rules:
+            measured = _ranges_without_rules(linking, unit)
+        elif actuators:
+            measured = _ranges_by_rules(linking, unit)
+        # MuJoCo makes copies of some actuators, whose ranges it computes again.
+        if measured is None or len(measured) != 2 * len(actuators):
+            continue
+        why = _own_lengths(unit, rules)
+        for at, actuator in enumerate(actuators):
+            limits = measured[2 * at : 2 * at + 2]
+            # MuJoCo reads `0 0` as not written: for `<muscle lengthrange="0 0"/>` it computes a range.
+            if any(limits):
+                journal.write(actuator, "lengthrange", numbers.text(limits), why)
+            elif rules and _is_muscle(actuator):
+                _report_no_range(linking, unit, actuator, rules[-1])
+                break
+        for rule in rules:
+            journal.remove(rule, because("the length ranges that it gives are written on the actuators"))
+
+
+_LENGTHRANGE = "actuator_lengthrange"
+
+
+def _ranges_by_rules(linking: Linking, unit: Unit) -> list[float] | None:
+    """Return the ranges of the actuators by the unit's own rules, or None after an error."""
+    kept = KeptSettings(linking, unit, ("lengthrange",))
+    survey = kept.survey((_LENGTHRANGE,))
+    if survey is None:
+        return None
+    measured = survey.arrays[_LENGTHRANGE]
+    if len(measured) != 2 * len(unit.root.findall("actuator/*")):
+        kept.refuse("MuJoCo makes copies of actuators")
+        return None
+    return measured
+
+
+def _ranges_without_rules(linking: Linking, unit: Unit) -> list[float]:
+    """Return the ranges of the actuators if a muscle may move a body that another part hangs on."""
     # MuJoCo would move a part with the unit that it is attached to, and it may stop that earlier.
     hanging = any(part.joints or part.place.kind != "world" for part in linking.parts)
-    if linking.parts:
-        for unit in linking.units:
-            rules = list(unit.root.iter("lengthrange"))
-            actuators = unit.root.findall("actuator/*")
-            measured: list[float] = []
-            if not rules:
-                sections = unit.root.iterchildren("actuator", "default")
-                candidates = (each for section in sections for each in section.iter("muscle", "general"))
-                if hanging and linking.measure is not None and any(map(_is_muscle, candidates)):
-                    measured = linking.measure(unit, (name,)).get(name, [])
-                if len(measured) != 2 * len(actuators):
-                    continue  # MuJoCo made copies of actuators, whose ranges it computes again
-            elif actuators:
-                kept = KeptSettings(linking, unit, ("lengthrange",))
-                found = kept.survey((name,))
-                if found is None:
-                    continue
-                measured = found.arrays[name]
-                if len(measured) != 2 * len(actuators):
-                    kept.refuse("MuJoCo makes copies of actuators")
-                    continue
-            why = _own_lengths(unit, rules)
-            for at, actuator in enumerate(actuators):
-                limits = measured[2 * at : 2 * at + 2]
-                # MuJoCo reads `0 0` as not written: for `<muscle lengthrange="0 0"/>` it computes a range.
-                if any(limits):
-                    journal.write(actuator, "lengthrange", numbers.text(limits), why)
-                elif rules and _is_muscle(actuator):
-                    cause = "it leaves a muscle without a range"
-                    message = f"`lengthrange` of `{unit.label}` cannot be kept in a composition: {cause}"
-                    notes = (Note("the muscle", linking.span(unit, actuator)),)
-                    help = "write the `lengthrange` of the muscle"
-                    linking.sink.error(
-                        "compiler-setting", message, linking.span(unit, rules[-1]), notes=notes, help=help
-                    )
-                    break
-            for rule in rules:
-                journal.remove(rule, because("the length ranges that it gives are written on the actuators"))
+    sections = unit.root.iterchildren("actuator", "default")
+    candidates = (element for section in sections for element in section.iter("muscle", "general"))
+    if not hanging or linking.measure is None or not any(map(_is_muscle, candidates)):
+        return []
+    return linking.measure(unit, (_LENGTHRANGE,)).get(_LENGTHRANGE, [])
+
+
+def _report_no_range(linking: Linking, unit: Unit, muscle: Node, rule: Node) -> None:
+    message = f"`lengthrange` of `{unit.label}` cannot be kept in a composition: it leaves a muscle without a range"
+    notes = (Note("the muscle", linking.span(unit, muscle)),)
+    help = "write the `lengthrange` of the muscle"
+    linking.sink.error("compiler-setting", message, linking.span(unit, rule), notes=notes, help=help)
 
 
 def _own_lengths(unit: Unit, rules: list[Node]) -> Why:

@@ -66,6 +66,10 @@ def _supporting(unit: Unit) -> Iterator[tuple[Name, Node]]:
         yield ("instance", str(instance.get("name") or "")), instance
 
 
+def _settings_of(default: Node) -> list[Node]:
+    return [child for child in default.iterchildren("*") if child.tag != "default"]
+
+
 def _needed(unit: Unit, supporting: dict[Name, Node]) -> set[Node]:
     needed: set[Node] = set()
     waiting: list[tuple[Node, str]] = []
@@ -85,16 +89,15 @@ def _needed(unit: Unit, supporting: dict[Name, Node]) -> set[Node]:
             waiting.extend((skin, "asset") for skin in section.iterchildren("skin"))
     while waiting:
         node, inside = waiting.pop()
-        tops = [node]
-        if node.tag == "default":
-            tops = [child for child in node.iterchildren("*") if child.tag != "default"]
-            parent = node.getparent()
-            # A class begins with the settings of its parent, so it needs the parent even if no element names that.
-            if parent is not None and parent.tag == "default":
-                need(parent, "default")
+        parent = node.getparent()
+        # A class begins with the settings of its parent, so it needs the parent even if no element names that.
+        if node.tag == "default" and parent is not None and parent.tag == "default":
+            need(parent, "default")
+        tops = _settings_of(node) if node.tag == "default" else [node]
         for top in tops:
             for name in references(top, inside):
-                if (supporter := supporting.get(name)) is not None:
+                supporter = supporting.get(name)
+                if supporter is not None:
                     need(supporter, section_of(supporter))
             plugins.update(str(plugin.get("plugin")) for plugin in top.iter("plugin"))
     for plugin in unit.root.iterfind("extension/plugin"):
