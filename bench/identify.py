@@ -22,11 +22,12 @@ from typing import Any
 
 import mujoco
 import numpy as np
+from mjcompose.language.measured import DELAY
 from mjcompose.tools.identify.fit import choose_window, fit, with_window
 from mjcompose.tools.identify.intervals import know, verdicts
 from mjcompose.tools.identify.problem import FitSettings, Problem
 from mjcompose.tools.identify.recording import Command, Recording, Signal
-from mjcompose.tools.identify.unknowns import DELAY, ModelPool, UnknownNumber, unknowns_of
+from mjcompose.tools.identify.unknowns import ModelPool, UnknownNumber, unknowns_of
 
 ROOT = Path(__file__).resolve().parents[1]
 PENDULUM = """<mujoco model="pendulum">

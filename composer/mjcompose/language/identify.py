@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Annotated, ClassVar, Literal
 
@@ -11,6 +12,7 @@ from mjcompose.base.diagnostic import Fault
 from mjcompose.language.forms.context import Settings
 from mjcompose.language.forms.model import IT, Belongs, Model, OneOf
 from mjcompose.language.forms.scalars import (
+    LENGTHS,
     Checked,
     Count,
     Expects,
@@ -23,7 +25,7 @@ from mjcompose.language.forms.scalars import (
     Text,
     in_order,
 )
-from mjcompose.language.measured import cannot_be_negative, in_si
+from mjcompose.language.measured import COM, COUNTS, SHAPE, cannot_be_negative, in_si
 from mjcompose.language.select import NARROWED
 from mjcompose.text.expression import Angle
 from mjcompose.tree.pattern import Selector
@@ -112,10 +114,16 @@ class RecordingKeys(Model):
     """LeRobot: the episode of the data set"""
 
 
+_STRETCH = 0.5 * math.log(2)
+"""The largest logarithm of a stretch: moments of inertia to half of them and twice as large."""
+_SHEAR = 0.3
+
+
 class IdentifyField(Model):
     """One number of each selected element, and the range in which it may be."""
 
     rules: ClassVar = (
+        Belongs("within", to="inertia", help="write `inertia: mass+com`"),
         OneOf(
             "attr",
             "inertia",
@@ -135,8 +143,11 @@ class IdentifyField(Model):
     """the elements whose number is fitted"""
     attr: Annotated[str, Name(what="an attribute of MJCF")] | None = None
     """an attribute of MJCF, with an index for one number: `friction[0]`"""
-    inertia: Literal["mass"] | None = None
-    """the mass of bodies, with the inertia in proportion"""
+    inertia: Literal["mass", "mass+com", "full"] | None = None
+    """the mass of bodies, with the inertia in proportion; `mass+com` also fits the center of mass, `full` the shape of
+    the inertia as well"""
+    within: Annotated[float, Scaled(LENGTHS, gt=0)] | None = None
+    """how far the center of mass may be from that of the recipe along each axis of the body: `10cm`"""
     delay: _Times | None = None
     """the least and the greatest delay of the commands of actuators"""
     zero: _Numbers | None = None
@@ -160,7 +171,7 @@ class IdentifyField(Model):
 
     @property
     def attribute(self) -> str:
-        """The word for the number in a file of measurements."""
+        """The word for the number in a file of measurements; for the inertia, the first one."""
         if self.attr is not None:
             return self.attr
         return "mass" if self.inertia is not None else "delay" if self.delay is not None else "zero"
@@ -178,7 +189,26 @@ class IdentifyField(Model):
         assert numbers is not None
         return "range", in_si(numbers[0]), in_si(numbers[1])
 
+    @property
+    def numbers(self) -> Iterator[tuple[str, tuple[Literal["range", "scale", "offset"], float, float]]]:
+        """The word for each number that the field fits for an element, and its bounds."""
+        yield self.attribute, self.bounds
+        if self.within is not None:
+            for axis in range(COUNTS[COM]):
+                yield f"{COM}[{axis}]", ("range", -self.within, self.within)
+        if self.inertia == "full":
+            for index in range(COUNTS[SHAPE]):
+                most = _STRETCH if index < 3 else _SHEAR
+                yield f"{SHAPE}[{index}]", ("range", -most, most)
+
     def contradictions(self, context: Settings) -> Iterator[Fault]:
+        has_center = self.inertia in ("mass+com", "full")
+        if has_center and self.within is None:
+            message = f"{IT} fits the center of mass, and does not say how far it may be off"
+            yield Fault("missing-key", message, ("inertia",), help="write for instance `within: 10cm`")
+        elif self.within is not None and self.inertia is not None and not has_center:
+            message = "`within` is about the center of mass, which `inertia: mass` does not fit"
+            yield Fault("unknown-key", message, ("within",), key=True, help="write `inertia: mass+com`")
         written = [key for key in ("range", "scale", "offset") if getattr(self, key) is not None]
         low = 0.0 if self.range is None else in_si(self.range[0])
         if low < 0 and cannot_be_negative(self.attribute):

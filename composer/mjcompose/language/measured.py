@@ -21,6 +21,12 @@ FORMAT = 1
 """The version of the file."""
 DELAY = "delay"
 ZERO = "zero"
+COM = "com"
+SHAPE = "shape"
+COUNTS = {COM: 3, SHAPE: 6}
+"""The numbers of a body that the verb `calibrate` takes together, and how many there are."""
+FAMILIES = {ZERO: "joint", DELAY: "actuator", COM: "body", SHAPE: "body"}
+"""The kinds of elements with numbers that are no attributes of MJCF."""
 KINDS = ("joint", "actuator", "body", "geom", "tendon", "site", "equality", "pair")
 """The kinds of elements whose numbers a file can have."""
 TOPICS = ("links", "inertia", "friction", "actuators", "options")
@@ -219,7 +225,11 @@ class MeasurementFile(Model):
             if in_si(number.value) < 0 and cannot_be_negative(attribute):
                 message = f"`{attribute}` of {kind} `{name}` cannot be negative, and is {in_si(number.value):g}"
                 yield Fault("out-of-range", message, ("values", f"{kind} {name}", attribute, "value"))
-            wanted = {ZERO: "joint", DELAY: "actuator"}.get(attribute, kind)
+            base, _, index = attribute.partition("[")
+            wanted = FAMILIES.get(base, kind)
+            if kind == wanted and base in COUNTS and index not in [f"{each}]" for each in range(COUNTS[base])]:
+                message = f"`{attribute}` is none of the numbers `{base}[0]` to `{base}[{COUNTS[base] - 1}]`"
+                yield Fault("unknown-attribute", message, ("values", f"{kind} {name}", attribute), key=True)
             if kind != wanted:
                 at = ("values", f"{kind} {name}", attribute)
                 message = f"{with_article(kind)} has no `{attribute}`; {with_article(wanted)} has one"

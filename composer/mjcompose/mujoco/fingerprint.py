@@ -82,6 +82,10 @@ def places_of(mujoco: Any, model: MjModel, kind: str, name: str, attribute: str)
         identity = _identity(mujoco, model, "body", name)
         yield "body_ipos", 3 * identity + int(index[:-1])
         return
+    if base == "shape":
+        identity = _identity(mujoco, model, "body", name)
+        yield from (("body_inertia", 3 * identity + axis) for axis in range(3))
+        return
     start = int(index[:-1]) if index else 0
     tags = (kind, *_TAGS) if kind == "actuator" else (kind,)
     for tag in tags:

@@ -15,12 +15,14 @@ from mjcompose.base.limits import in_force
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import did_you_mean
 from mjcompose.language.measured import (
+    COUNTS,
     DELAY,
     TOPICS,
     ZERO,
     MeasuredValue,
     MeasurementFile,
     UseMeasured,
+    in_si,
     values_of,
 )
 from mjcompose.language.select import kinds_of
@@ -182,11 +184,15 @@ def _near(path: Path) -> str | None:
 def with_edits(document: Mapping, measurements: Measurements, replaced: Replaced | None = None) -> Mapping:
     """Return the recipe with an entry of `edit` for each measured number, after its own entries."""
     replaced = replaced or {}
-    entries = [
-        _entry(measurements, value, name, replaced.get((value.path, name)))
-        for value in measurements.applied_with(replaced)
-        for name in value.names
-    ]
+    entries: list[Mapping] = []
+    of_bodies: dict[str, list[MeasuredValue]] = {}
+    for value in measurements.applied_with(replaced):
+        for name in value.names:
+            if value.attribute.partition("[")[0] in COUNTS:
+                of_bodies.setdefault(name, []).append(value)
+            else:
+                entries.append(_entry(measurements, value, name, replaced.get((value.path, name))))
+    entries += [_inertia_entry(measurements, values, name, replaced) for name, values in of_bodies.items()]
     key, written = document.entries.get(_EDIT, (Key(_EDIT, measurements.span), Sequence((), measurements.span)))
     if not isinstance(written, Sequence):
         return document
@@ -208,6 +214,26 @@ def _entry(measurements: Measurements, value: MeasuredValue, name: str, replacem
     return _mapping(
         {"select": _selector(value.kind, name, owner), "optional": _scalar(True, owner), verb: changes}, at_number
     )
+
+
+def _inertia_entry(measurements: Measurements, values: list[MeasuredValue], name: str, replaced: Replaced) -> Mapping:
+    """Return the entry for the center of mass and the shape of the inertia of a body."""
+    owner = locate(measurements.document, values[0].path[:-1], key=True)
+    at_first = measurements.span_of(values[0], key=True)
+    lists: dict[str, list[Node]] = {}
+    for value in values:
+        base, _, index = value.attribute.partition("[")
+        number = locate(measurements.document, (*value.path, "value"))
+        nodes = lists.setdefault(base, [_scalar(0.0, at_first) for _ in range(COUNTS[base])])
+        nodes[int(index[:-1])] = _scalar(replaced.get((value.path, name), in_si(value.number.value)), number)
+    written: dict[str, Node] = {base: Sequence(tuple(nodes), at_first) for base, nodes in lists.items()}
+    changes = _mapping(written, at_first)
+    entry: dict[str, Node] = {
+        "select": _selector("body", name, owner),
+        "optional": _scalar(True, owner),
+        "calibrate": changes,
+    }
+    return _mapping(entry, at_first)
 
 
 def word_for_set(value: MeasuredValue) -> str:

@@ -14,7 +14,7 @@ from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import did_you_mean
 from mjcompose.base.words import value_text
 from mjcompose.language.distribution import FieldDistribution, Operation
-from mjcompose.language.measured import DELAY, ROUNDING, ZERO, MeasuredValue, cannot_be_negative, in_si
+from mjcompose.language.measured import FAMILIES, ROUNDING, MeasuredValue, cannot_be_negative, in_si
 from mjcompose.language.randomize import FROM, DrawField, Randomize
 from mjcompose.language.value import attribute_and_index
 from mjcompose.plan.measured import Measurements, NumberPlace, condition_of, word_for_set
@@ -24,8 +24,6 @@ from mjcompose.text.node import Mapping, locate
 from mjcompose.tree.pattern import Selector, fitter, is_pattern
 
 _KIND = "measured"
-_WITHOUT_ARRAY = (ZERO, DELAY)
-"""Numbers that no single number of a compiled model has."""
 
 
 class MeasuredDraws(Struct):
@@ -116,7 +114,7 @@ class MeasuredDraws(Struct):
     def for_worlds(self, document: Mapping, sink: Sink) -> Iterator[DrawnNumber]:
         """Yield a field for each element with a drawn number; report numbers that a compiled model does not have."""
         for place, value, drawing, names in self._in_file_order():
-            if value.attribute in _WITHOUT_ARRAY:
+            if value.attribute.partition("[")[0] in FAMILIES:
                 span = locate(document, ("randomize", "fields", drawing.name, FROM))
                 message = f"field `{drawing.name}` draws the {value.attribute} of {value.kind} `{names[0]}`"
                 message = f"{message}, which a compiled model cannot change"

@@ -9,6 +9,7 @@ from lxml.etree import _Element as Node
 from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.compose.editing import is_limited_by_range
 from mjcompose.compose.values import report_unusable
+from mjcompose.compose.verbs.inertia import recalibrate
 from mjcompose.compose.verbs.values import OFFSET, SET, Entry, ValueChange
 from mjcompose.language.verbs.calibrate import Calibrate
 from mjcompose.link import numbers
@@ -18,6 +19,8 @@ from mjcompose.text.expression import Angle
 
 
 def carry_out(verb: Calibrate, entry: Entry, at: Path) -> None:
+    if verb.com is not None or verb.shape is not None:
+        recalibrate(entry, verb.com, verb.shape, at=at)
     for index, node in enumerate(entry.found):
         if verb.zero is not None:
             _move_zero(entry, node, index, verb.zero, at=(*at, "zero"))

@@ -7,6 +7,7 @@ from collections.abc import Collection, Mapping, Sequence
 from lxml.etree import _Element as Node
 
 from mjcompose.base.diagnostic import Fault, Path
+from mjcompose.base.second_moments import reshaped
 from mjcompose.base.sink import Sink
 from mjcompose.compose.editing import Editing
 from mjcompose.compose.values import UnusableValue, report_unusable
@@ -21,6 +22,7 @@ from mjcompose.tree import journal
 from mjcompose.tree.classes import own, walk_bodies
 from mjcompose.tree.edit import replace
 
+_OTHER_ORIENTATIONS = ("euler", "axisangle", "xyaxes", "zaxis")
 _ROWS = dict(zip(BODIES, (1, 3, 4, 3), strict=True))
 
 
@@ -57,8 +59,37 @@ def _write(editing: Editing, body: Node, values: Mapping[str, Sequence[float]], 
     for other in inertials:
         if other is not kept:
             journal.remove(other)
-    replace(kept, {"fullinertia": None, **{name: numbers.text(each) for name, each in values.items()}})
+    unset = dict.fromkeys(("fullinertia", "diaginertia", "quat", *_OTHER_ORIENTATIONS))
+    replace(kept, {**unset, **{name: numbers.text(each) for name, each in values.items()}})
     editing.write(kept, dict.fromkeys(values, entry))
+
+
+def recalibrate(entry: Entry, com: Sequence[float] | None, shape: Sequence[float] | None, at: Path) -> None:
+    """Move the center of mass of each body, and reshape its inertia around it. The mass stays."""
+    editing = entry.editing
+    entry.masses.settle(*INERTIA_RULES)
+    unit = editing.linking.flat()
+    aside = Sink()
+    with without_keys(unit.root):
+        survey = compile_unaligned(Linking(unit, [], aside, measure=editing.linking.measure), unit, BODIES)
+    editing.sink.extend(aside.diagnostics)
+    if isinstance(survey, Unmeasurable) or survey is None:
+        why = f": {survey.why}" if isinstance(survey, Unmeasurable) else ""
+        editing.sink.error("selector", f"the inertia of the selected element is not known{why}", editing.span(at))
+        raise UnusableValue
+    for body in entry.found:
+        mass, pos, quat, moments = (survey.values(body, array, width) for array, width in _ROWS.items())
+        if mass is None or pos is None or quat is None or moments is None or not mass[0] > 0:
+            message = f"{editing.called(body)} has no mass of its own, so no inertia"
+            report_unusable(editing, body, Fault("selector", message, at, key=True), it="it")
+        moved = [place + offset for place, offset in zip(pos, com or (0.0, 0.0, 0.0), strict=True)]
+        values: dict[str, Sequence[float]] = {"pos": moved, "mass": mass, "quat": quat, "diaginertia": moments}
+        if shape is not None:
+            w, x, y, z = quat
+            tensor = reshaped(moments, (w, x, y, z), shape)
+            full = [tensor[row][column] for row, column in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
+            values = {"pos": moved, "mass": mass, "fullinertia": full}
+        _write(editing, body, values, at=at)
 
 
 def _geoms(editing: Editing, body: Node, written: Inertia, at: Path) -> list[Node]:

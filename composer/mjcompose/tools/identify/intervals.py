@@ -13,11 +13,11 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from mjcompose.base.dataclass import Struct
+from mjcompose.language.measured import DELAY
 from mjcompose.tools.identify.fit import Solution, correlation_times, solve
 from mjcompose.tools.identify.problem import Problem
 from mjcompose.tools.identify.recording import Signal
 from mjcompose.tools.identify.tables import Series
-from mjcompose.tools.identify.unknowns import DELAY
 
 LITTLE = 0.75
 """Below this information, half of the standard deviation of the range is left: the number is not identified."""

@@ -78,13 +78,14 @@ def _fields(identify: Identify, plan: Plan, editing: Editing) -> Iterator[dict[s
         found = select_counted(editing, field.select, (*field.at, "select"), count=count)
         elements = [element for node in found if (element := _element(field, node, editing)) is not None]
         if elements:
-            yield {
-                "name": field.name,
-                "kind": elements[0]["family"],
-                "attribute": field.attribute,
-                "groups": _groups(field, elements, plan.separator),
-                "bounds": field.bounds,
-            }
+            for attribute, bounds in field.numbers:
+                yield {
+                    "name": field.name,
+                    "kind": elements[0]["family"],
+                    "attribute": attribute,
+                    "groups": _groups(field, elements, plan.separator),
+                    "bounds": bounds,
+                }
 
 
 def _element(field: IdentifyField, node: Node, editing: Editing) -> dict[str, str] | None:

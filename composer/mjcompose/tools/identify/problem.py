@@ -16,10 +16,11 @@ import numpy as np
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.suggest import did_you_mean
+from mjcompose.language.measured import DELAY
 from mjcompose.mujoco.attributes import names
 from mjcompose.tools.identify.recording import Recording, Signal
 from mjcompose.tools.identify.tables import RecordingFault, Series
-from mjcompose.tools.identify.unknowns import DELAY, ModelPool, UnknownNumber
+from mjcompose.tools.identify.unknowns import ModelPool, UnknownNumber
 
 if TYPE_CHECKING:
     from mjcompose.mujoco.model_types import MjData, MjModel

@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mjcompose.base.dataclass import Struct
+from mjcompose.base.second_moments import reshaped
+from mjcompose.language.measured import COM, COUNTS, DELAY, SHAPE, ZERO
 from mjcompose.mujoco.settable import DerivedValues, resolve_addresses
 from mjcompose.tools.identify.tables import RecordingFault, Series
 
 if TYPE_CHECKING:
     from mjcompose.mujoco.model_types import MjModel
 
-DELAY = "delay"
-ZERO = "zero"
 _WITHOUT_CONSTANTS = ("dof_damping", "dof_frictionloss", "actuator_gainprm", "actuator_biasprm", "geom_friction")
 """Arrays on which nothing depends that MuJoCo computes once; `dof_armature` scales the softness of friction."""
 
@@ -88,6 +88,9 @@ def _unknown(mujoco: Any, model: MjModel, field: dict[str, Any], group: list[dic
     if attribute == ZERO:
         nominal = 0.0
         places = [_zero_place(mujoco, model, name, field) for name in names]
+    elif _base(attribute) in COUNTS:
+        nominal = 0.0
+        places = [NumberPlace("body", int(model.body(name).id)) for name in names]
     elif attribute == DELAY:
         nominal = float(model.actuator_delay[model.actuator(names[0]).id]) if hasattr(model, "actuator_delay") else 0.0
     else:
@@ -98,6 +101,14 @@ def _unknown(mujoco: Any, model: MjModel, field: dict[str, Any], group: list[dic
     low, high = _bounds(field, nominal, f"{attribute} of {kind} `{names[0]}`")
     _check_moves(model, kind, names, attribute, field)
     return UnknownNumber(field["name"], kind, names, attribute, nominal, low, high, tuple(places))
+
+
+def _base(attribute: str) -> str:
+    return attribute.partition("[")[0]
+
+
+def _index(attribute: str) -> int:
+    return int(attribute.partition("[")[2][:-1])
 
 
 def _zero_place(mujoco: Any, model: MjModel, name: str, field: dict[str, Any]) -> NumberPlace:
@@ -146,7 +157,7 @@ def _bounds(field: dict[str, Any], nominal: float, what: str) -> tuple[float, fl
 
 def _check_moves(model: MjModel, kind: str, names: Sequence[str], attribute: str, field: dict[str, Any]) -> None:
     for name in names:
-        if kind == "body" and attribute == "mass" and model.body_weldid[model.body(name).id] == 0:
+        if kind == "body" and model.body_weldid[model.body(name).id] == 0:
             message = f"body `{name}` is fixed to the world, so its inertia moves nothing"
             raise RecordingFault("not-identifiable", message, "select a body that a joint moves", field=field["name"])
 
@@ -169,8 +180,9 @@ class ModelPool:
             if unknown.attribute == ZERO:
                 for place in unknown.places:
                     self._move_zero(model, place.index, float(value))
-            else:
+            elif _base(unknown.attribute) not in COUNTS:
                 self._put(model, unknown, float(value))
+        self._put_inertias(model, values)
         if self._derives:
             derived.settle()
         return model
@@ -191,6 +203,26 @@ class ModelPool:
             else:
                 numbers[place.index] = place.sign * value
                 ratio = value / (place.sign * before) if before else 1.0
+
+    def _put_inertias(self, model: MjModel, values: Series) -> None:
+        """Write centers of mass and shapes of inertias, which the verb `calibrate` writes in the same way."""
+        shapes: dict[int, list[float]] = {}
+        for unknown, value in zip(self.unknowns, values, strict=True):
+            base = _base(unknown.attribute)
+            for place in unknown.places if base in COUNTS else ():
+                index = _index(unknown.attribute)
+                if base == COM:
+                    model.body_ipos[place.index, index] = self.nominal.body_ipos[place.index, index] + float(value)
+                else:
+                    shapes.setdefault(place.index, [0.0] * COUNTS[SHAPE])[index] = float(value)
+        for body, shape in shapes.items():
+            ratio = model.body_mass[body] / self.nominal.body_mass[body]
+            moments = (self.nominal.body_inertia[body] * ratio).tolist()
+            tensor = np.array(reshaped(moments, tuple(self.nominal.body_iquat[body].tolist()), shape))
+            model.body_inertia[body], axes = np.linalg.eigh(tensor)
+            if np.linalg.det(axes) < 0:
+                axes[:, 0] *= -1
+            self._mujoco.mju_mat2Quat(model.body_iquat[body], axes.reshape(-1))
 
     def _move_zero(self, model: MjModel, joint: int, zero: float) -> None:
         """Move the reference, the spring and the range of a joint together, as the verb `calibrate` does."""
