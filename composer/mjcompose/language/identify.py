@@ -147,7 +147,7 @@ class IdentifyField(Model):
     """the mass of bodies, with the inertia in proportion; `mass+com` also fits the center of mass, `full` the shape of
     the inertia as well"""
     within: Annotated[float, Scaled(LENGTHS, gt=0)] | None = None
-    """how far the center of mass may be from that of the recipe along each axis of the body: `10cm`"""
+    """the largest distance of the center of mass from its place in the recipe, along each axis of the body: `10cm`"""
     delay: _Times | None = None
     """the least and the greatest delay of the commands of actuators"""
     zero: _Numbers | None = None

@@ -40,7 +40,7 @@ class Calibrate(Verb):
     """the time from a command to its effect, in seconds"""
 
     com: Annotated[tuple[float, ...], Items(3, 3), Expects("a list of 3 numbers", "[0.01, 0, 0]")] | None = None
-    """how far the center of mass of the body is from that of the model, along the axes of the body, in meters"""
+    """the distance of the center of mass from its place in the model, along the axes of the body, in meters"""
     shape: Annotated[tuple[float, ...], Items(6, 6), Expects("a list of 6 numbers", "[0.1, 0, 0, 0, 0, 0]")] | None = (
         None
     )
