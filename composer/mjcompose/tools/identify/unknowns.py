@@ -209,7 +209,9 @@ class ModelPool:
         shapes: dict[int, list[float]] = {}
         for unknown, value in zip(self.unknowns, values, strict=True):
             base = _base(unknown.attribute)
-            for place in unknown.places if base in COUNTS else ():
+            if base not in COUNTS:
+                continue
+            for place in unknown.places:
                 index = _index(unknown.attribute)
                 if base == COM:
                     model.body_ipos[place.index, index] = self.nominal.body_ipos[place.index, index] + float(value)
