@@ -52,7 +52,8 @@ class BuildCommandOptions(BuildingOptions):
         type=click.Choice(["models", "worlds", "union"]),
         default="models",
         help="models, the default: each sample is a model. worlds: one model, and a table in it of the numbers that"
-        " differ between the samples. union: with --worlds, one model with the parts of all cells and samples.",
+        " differ between the cells and samples; with --all, one model for each cell. union: with --worlds, one model"
+        " with the parts of all cells and samples.",
     )
     table: Path | None = option(
         "--worlds",

@@ -275,3 +275,99 @@ def test_geoms_keep_the_order_of_each_cell() -> None:
         assert "".join(str(slot.key) for slot in own) == keys
         assert [slot.geoms[cell] for slot in own] == list(range(len(keys)))
     assert len(slots) <= 7
+
+
+ARM = """\
+<mujoco><worldbody><body name="{body}"><{joint} name="lid" {more}/><geom name="g" type="{shape}" size=".1 .1 .1" pos="0 0 .1"/>
+  <site name="s"/></body></worldbody>{end}</mujoco>
+"""
+TWO = """\
+recipe: 1
+name: two
+base: ./${which}.xml
+params: {which: a}
+matrix: {axes: {which: [a, b]}, name: "${which}"}
+"""
+DISTANCE = '<sensor><distance name="near" body1="box" body2="world" cutoff="1"/></sensor>'
+
+
+@pytest.mark.parametrize(
+    ("other", "end", "said", "help"),
+    [
+        ({"body": "can"}, "", "it has another tree", "`--pick`, or add `--as union`: one model has the parts of all"),
+        ({"more": 'type="slide"'}, "", "the joint `lid` is a slide, not a hinge", "use one type of joint in all cells"),
+        (
+            {"shape": "sphere"},
+            DISTANCE,
+            "the sensor `near` measures the distance of the body `box`, whose absent geoms it would see",
+            "name the geom in the sensor",
+        ),
+    ],
+    ids=["bodies", "joints", "distances"],
+)
+def test_cells_that_are_no_worlds(tmp_path: Path, other: dict[str, str], end: str, said: str, help: str) -> None:
+    plain = {"body": "box", "joint": "joint", "more": 'type="hinge"', "shape": "box", "end": end}
+    (tmp_path / "a.xml").write_text(ARM.format(**plain))
+    (tmp_path / "b.xml").write_text(ARM.format(**plain | other))
+    (tmp_path / "pick.yaml").write_text(TWO)
+    result = run(tmp_path, "--as", "worlds", "-o", "out/")
+    assert result.exit_code == 1 and "error[not-a-world]: `b` cannot be a world of `a`" in result.output
+    assert said in result.output and help in result.output, result.output
+    assert not (tmp_path / "out").exists()
+
+
+def test_many_places_are_a_warning(tmp_path: Path) -> None:
+    geoms = "".join(f'<geom size=".02" pos="{n} 0 0" condim="{{condim}}" mass=".1"/>' for n in range(5))
+    for name, condim in (("cube", 1), ("ball", 3), ("rock", 4)):
+        text = f'<mujoco><worldbody><body name="object"><freejoint name="free"/>{geoms}</body></worldbody></mujoco>'
+        (tmp_path / f"{name}.xml").write_text(text.format(condim=condim))
+    files = "./cube.xml, ./ball.xml, ./rock.xml"
+    (tmp_path / "floor.xml").write_text(FLOOR)
+    (tmp_path / "pick.yaml").write_text(RECIPE % {"files": files})
+    result = run(tmp_path, "--as", "worlds", "-o", "out/")
+    assert result.exit_code == 0, result.output
+    assert "warning[worlds-padded]: one body has 15 places for geoms, of which a world uses 5 at most" in result.output
+
+
+RACK = '<body name="rack" pos="{}"><geom type="box" size=".2 .02 .1" pos="0 0 .1"/>{}</body>'
+DRIVER = '<body name="driver" pos="0 0 .3"><joint name="turn" axis="0 0 1"/><geom type="capsule" size=".01 .05" mass=".2"/>{}</body>'
+DOG = '<body name="trunk" pos="0 0 .4"><freejoint name="free"/><geom type="box" size=".2 .1 .05" mass="6"/><body name="pack" pos="0 0 .08">{}</body></body>'
+TASKS = {
+    "mug rack": [
+        RACK.format("0 .4 0", '<geom name="peg" type="capsule" size=".008 .04" pos="0 -.05 .15" euler="90 0 0"/>'),
+        RACK.format("0 .5 .1", '<geom name="hook" type="box" size=".01 .05 .01" pos="0 -.05 .15" friction=".4"/>'),
+    ],
+    "screwdriver": [
+        DRIVER.format('<geom name="slotted" type="box" size=".004 .001 .02" pos="0 0 -.07" mass=".02"/>'),
+        DRIVER.format('<geom name="cross" type="mesh" mesh="bit" pos="0 0 -.07" mass=".02"/>'),
+        DRIVER.format('<geom name="hex" type="cylinder" size=".003 .02" pos="0 0 -.07" mass=".02"/>'),
+        DRIVER.format('<geom name="torx" type="cylinder" size=".002 .03" pos="0 0 -.08" mass=".01"/>'),
+    ],
+    "backpack": [
+        DOG.format(""),
+        DOG.format('<geom type="box" size=".1 .08 .05" mass="2"/>'),
+        DOG.format('<geom type="cylinder" size=".05 .1" mass="1"/><geom size=".04" pos="0 0 .12" mass=".3"/>'),
+    ],
+}
+
+
+@pytest.mark.parametrize("task", TASKS)
+def test_other_tasks(tmp_path: Path, task: str) -> None:
+    """A ball falls on what differs; each world moves as its cell."""
+    names = [f"v{number}" for number in range(len(TASKS[task]))]
+    for name, body in zip(names, TASKS[task], strict=True):
+        (tmp_path / f"{name}.xml").write_text(
+            f'<mujoco><asset><mesh name="bit" vertex="{HANDLE}" face="{BOX_FACES}" scale=".1 .1 .1"/></asset><worldbody>'
+            f'<geom name="floor" type="plane" size="2 2 .1"/>{body}'
+            '<body name="ball" pos="0 .01 .7"><freejoint name="ball"/><geom size=".04" mass=".3"/></body></worldbody></mujoco>'
+        )
+    (tmp_path / "pick.yaml").write_text(TWO.replace("[a, b]", str(names)).replace("which: a", "which: v0"))
+    study = joint(tmp_path)
+    assert study.count == len(names) and study.nominal.nv == alone(tmp_path)[0].model.nv
+    for world, each in enumerate(alone(tmp_path)):
+        states = []
+        for model in (study.model(world), each.model):
+            data = mujoco.MjData(model)
+            mujoco.mj_step(model, data, 400)
+            states.append(data.qpos.copy())
+        assert np.abs(states[0] - states[1]).max() <= 1e-8, names[world]
