@@ -45,7 +45,7 @@ def text(numbers: list[dict[str, Any]]) -> str:
         "errors": [{"signal": "qpos elbow", "recipe": 1e-3, "fitted": 1e-4, "correlated": 1.0, "held_out": {}}],
         "numbers": numbers,
         "correlation": [
-            [1.0 if row == column else -0.5 for column in range(len(numbers))] for row in range(len(numbers))
+            [1.0 if row == column else -0.25 for column in range(len(numbers))] for row in range(len(numbers))
         ],
     }
     return text_of("12", Path("arm.yaml"), fit, "4.0.0", {"elbow", "shoulder"})
