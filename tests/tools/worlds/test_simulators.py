@@ -10,7 +10,7 @@ import mujoco
 import numpy as np
 import pytest
 from mjcompose.bundle.manifest import IndexedSensor
-from mjcompose.tools.worlds.simulators import Simulator
+from mjcompose.tools.worlds.simulators import Simulator, in_scene
 from mjcompose.tools.worlds.start import fixed_geoms, of_arrays, starts
 from mjcompose.tools.worlds.worlds import Worlds
 from tools.worlds.studies import TENDON, arm, made, refused, tables
@@ -106,3 +106,27 @@ def test_worlds_start_as_their_own_models() -> None:
         mujoco.mj_kinematics(model, own)
         assert (qpos == own.qpos).all() and (poses == own.geom_xpos).all()
     assert np.ptp([poses[0, 2] for _, poses in data]) > 0.2
+
+
+MESHES = """
+<mujoco>
+  <asset>{more}
+    <mesh name="{prefix}a" vertex="0 0 0 1 0 0 0 1 0 0 0 1"/><mesh name="{prefix}b" vertex="0 0 0 2 0 0 0 2 0 0 0 2"/>
+    <material name="{prefix}red"/><material name="{prefix}blue"/>
+  </asset>
+  <worldbody><body name="{prefix}part"><geom type="mesh" mesh="{prefix}a" material="{prefix}red"/></body></worldbody>
+</mujoco>
+"""
+
+
+def test_assets_have_other_numbers_in_a_scene() -> None:
+    own = mujoco.MjModel.from_xml_string(MESHES.format(prefix="", more=""))
+    more = '<mesh name="floor" vertex="0 0 0 1 0 0 0 1 0 0 0 1"/><material name="floor"/><material name="wall"/>'
+    scene = mujoco.MjModel.from_xml_string(MESHES.format(prefix="robot/", more=more))
+    study = made(own, geom_dataid=(0, [0, 1, -1]), geom_matid=(0, [1, 0, -1]))
+    for name, wanted in (("geom_dataid", [1, 2, -1]), ("geom_matid", [3, 2, -1])):
+        values = study.arrays[name].values
+        found = in_scene(study, name, np.arange(1), values=values, entity="robot", scene=scene)
+        assert found[:, 0].tolist() == wanted
+        with pytest.raises(mjcompose.LoadError, match="the scene has no"):
+            in_scene(study, name, np.arange(1), values=values, entity="other", scene=scene)

@@ -260,6 +260,8 @@ def _set(worlds: Worlds, names: list[str], entity: str | None, sim: Any, env_ids
     for name in names:
         ours, theirs = _places(worlds, name, entity, scene=sim.mj_model)
         values = worlds.arrays[name].values[:, ours][chosen.numpy()]
+        if entity is not None and name in REFERENCES:
+            values = in_scene(worlds, name, ours, values=values, entity=entity, scene=sim.mj_model)
         written.append(NumbersOfWorlds(name, theirs, values))
         numbers = warp.to_torch(getattr(sim.wp_model, name)).view(sim.num_envs, -1)
         rows = chosen[:, None].to(numbers.device)
@@ -293,6 +295,38 @@ def _places(
         ours.append(at)
         theirs.append(found)
     return np.array(ours, np.int64), np.array(theirs, np.int64)
+
+
+REFERENCES = ("geom_dataid", "geom_matid", "site_matid", "tendon_matid", "mat_texid", "light_texid")
+"""Arrays of ids of assets, which have other numbers in a scene."""
+
+
+def in_scene(
+    worlds: Worlds, name: str, ours: NDArray[np.int64], values: NDArray[Any], *, entity: str, scene: MjModel
+) -> NDArray[Any]:
+    """Return ids of assets of an entity as ids of the scene; `ours` are columns of the table. Raises LoadError."""
+    model = worlds.nominal
+    index = worlds.arrays[name].index[ours]
+    found = values.copy()
+    for column, place in enumerate(index.tolist()):
+        kind = _kind_of_asset(model, name, place)
+        names = NameTable(model).names[kind]
+        ids = NameTable(scene).ids[kind]
+        for number in np.unique(values[:, column]).tolist():
+            if number < 0:
+                continue
+            called = _in_scene(names[number], entity)
+            if not names[number] or called not in ids:
+                help = "keep it in the entity: name it, and let the scene have all assets of the bundle"
+                raise failure("bundle-changed", f"the scene has no {kind} `{called}`", help)
+            found[values[:, column] == number, column] = ids[called]
+    return found
+
+
+def _kind_of_asset(model: MjModel, name: str, place: int) -> str:
+    if name == "geom_dataid":
+        return "hfield" if model.geom_type[place] == int(mujoco_module.mjtGeom.mjGEOM_HFIELD) else "mesh"
+    return "material" if name.endswith("matid") else "texture"
 
 
 def _in_scene(element: str, entity: str) -> str:
