@@ -65,6 +65,14 @@ def informed(page: Any) -> None:
     page.evaluate(f"mjcompose.select({{kind: 'joint', index: {index}}}, true)")
 
 
+def colored(page: Any) -> None:
+    page.get_by_role("tab", name="Show").click()
+    page.get_by_label("colors").select_option("part")
+    page.get_by_label("transparent").check()
+    page.get_by_label("centers of mass").check()
+    page.evaluate("document.querySelector('.owner').scrollIntoView()")
+
+
 def named(page: Any) -> None:
     page.get_by_role("tab", name="Show").click()
     page.get_by_label("names of joints").check()
@@ -105,6 +113,7 @@ def main() -> None:
         take("view", demo, selected)
         take("view_keyframe", demo, posed)
         take("view_names", demo, named)
+        take("view_bodies", demo, colored)
         take("view_physics", demo, informed)
         physics = made("view", "recipes/demo.yaml", "--physics")
         take("view_sensors", physics, plotted)

@@ -44,7 +44,8 @@ export class App {
   readonly poses: Poses;
   world!: World;
   sliders!: Sliders;
-  selection: Element | null = null;
+  /** The selected elements; the last one is `selection`. */
+  selected: Element[] = [];
   /** Runs the physics; a page without a server and without physics has none. */
   server: Player | null = null;
   /** Moves the parts and elements that the recipe places; only a live page has one. */
@@ -109,6 +110,10 @@ export class App {
 
   get canvas(): HTMLCanvasElement {
     return this.frame.canvas;
+  }
+
+  get selection(): Element | null {
+    return this.selected[this.selected.length - 1] ?? null;
   }
 
   get contrast(): Contrast | null {
@@ -197,7 +202,8 @@ export class App {
     const hover = (element: Element | null) => this.hover(element);
     const difference = models[models.length - 1].scene.difference;
     const contrast = difference ? new Contrast(model, difference, at) : null;
-    const tree = new Tree(model, choose, hover, (element) => contrast?.of(element) ?? "");
+    const chooseRow = (element: Element, more: boolean) => (more ? this.add(element) : this.select(element, true));
+    const tree = new Tree(model, chooseRow, hover, (element) => contrast?.of(element) ?? "");
     const info = new Info(model, choose);
     this.shown = { models, contrast, tree, info };
     frame.tree.replaceChildren(tree.root);
@@ -382,11 +388,27 @@ export class App {
   // -- selection ---------------------------------------------------------------------------------------------------
 
   select(element: Element | null, open: boolean): void {
+    this.selectAll(element ? [element] : [], open);
+  }
+
+  /** Select one more; an element that is selected already is left out. */
+  add(element: Element): void {
+    const others = this.selected.filter(({ kind, index }) => kind !== element.kind || index !== element.index);
+    this.selectAll(others.length < this.selected.length ? others : [...others, element], true);
+  }
+
+  hideSelected(): void {
+    this.visible.bodies.hide(this.selected);
+    this.select(null, false);
+  }
+
+  private selectAll(elements: Element[], open: boolean): void {
     const { tree, info } = this.shown;
-    this.selection = element;
+    this.selected = elements;
+    const element = this.selection;
     tree.select(element);
-    info.show(element);
-    this.world.mark(element, SELECTED);
+    info.show(element, elements.slice(0, -1));
+    this.world.mark(elements, SELECTED);
     this.gizmo?.follow(element, info.root);
     if (open) {
       this.open("Info");
@@ -395,7 +417,7 @@ export class App {
   }
 
   private hover(element: Element | null): void {
-    this.world.mark(element ?? this.selection, element ? POINTED : SELECTED);
+    this.world.mark(element ? [element] : this.selected, element ? POINTED : SELECTED);
     this.stage.draw();
   }
 
@@ -429,7 +451,11 @@ export class App {
         return this.ruler.click(event.clientX, event.clientY);
       }
       const element = this.stage.pick(event.clientX, event.clientY);
-      this.select(element, element !== null);
+      if (element && event.shiftKey) {
+        this.add(element);
+      } else {
+        this.select(element, element !== null);
+      }
     });
     canvas.addEventListener("pointerleave", () => {
       tip.hidden = true;

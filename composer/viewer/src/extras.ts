@@ -13,17 +13,31 @@ import {
   LineBasicMaterial,
   LineSegments,
   Matrix4,
+  Mesh,
   MeshBasicMaterial,
   MeshPhongMaterial,
   Quaternion,
   SphereGeometry,
   Vector3,
 } from "three";
+import { ConvexGeometry } from "three/examples/jsm/geometries/ConvexGeometry.js";
 import { row } from "./data";
 import { FREE, Pose, rotated, SLIDE } from "./kinematics";
+import { MESH } from "./shapes";
 import type { World } from "./world";
 
-export const EXTRAS = ["frames", "axes", "inertia", "contacts", "forces", "cameras", "grid"] as const;
+export const EXTRAS = [
+  "frames",
+  "axes",
+  "inertia",
+  "ellipsoids",
+  "mass",
+  "hulls",
+  "contacts",
+  "forces",
+  "cameras",
+  "grid",
+] as const;
 export type Extra = (typeof EXTRAS)[number];
 
 const MOST_CONTACTS = 500;
@@ -169,13 +183,21 @@ export class Extras {
   }
 
   private inertia() {
+    return this.inertias(new BoxGeometry(2, 2, 2), 1.5);
+  }
+
+  /** Ellipsoids of uniform density with the mass and the inertia of the bodies. */
+  private ellipsoids() {
+    return this.inertias(new SphereGeometry(1, 24, 16), 2.5);
+  }
+
+  /** The shape whose half axes are the roots of `factor` times the share of the mass in their directions. */
+  private inertias(shape: BufferGeometry, factor: number) {
     const { body } = this.world.model.scene;
     const group = new Group();
-    const some = body.mass
-      .map((mass: number, b: number) => (mass > 0 ? b : -1))
-      .filter((b: number) => b > 0) as number[];
+    const some = this.heavy();
     const boxes = new InstancedMesh(
-      new BoxGeometry(2, 2, 2),
+      shape,
       new MeshPhongMaterial({ color: 0xe0507a, transparent: true, opacity: 0.45, depthWrite: false }),
       some.length,
     );
@@ -184,7 +206,7 @@ export class Extras {
     const local = some.map((b) => {
       const [x, y, z] = row(body.inertia, b, 3);
       const mass = body.mass[b];
-      const half = [y + z - x, x + z - y, x + y - z].map((each) => Math.sqrt((Math.max(each, 1e-12) * 1.5) / mass));
+      const half = [y + z - x, x + z - y, x + y - z].map((each) => Math.sqrt((Math.max(each, 1e-12) * factor) / mass));
       const [qw, qx, qy, qz] = row(body.iquat, b, 4);
       return new Matrix4().compose(
         new Vector3(...(row(body.ipos, b, 3) as [number, number, number])),
@@ -196,6 +218,59 @@ export class Extras {
       const matrix = new Matrix4();
       some.forEach((b, at) => boxes.setMatrixAt(at, matrix.multiplyMatrices(this.world.bodyMatrix(b), local[at])));
       boxes.instanceMatrix.needsUpdate = true;
+    };
+    return { group, update };
+  }
+
+  private heavy(): number[] {
+    const { mass } = this.world.model.scene.body;
+    return mass.flatMap((each: number, b: number) => (b > 0 && each > 0 ? [b] : []));
+  }
+
+  /** Balls at the centers of mass, in front of everything. */
+  private mass() {
+    const { body } = this.world.model.scene;
+    const some = this.heavy();
+    const group = new Group();
+    const balls = new InstancedMesh(new SphereGeometry(this.unit * 0.16, 16, 10), overlay(0xe0507a), some.length);
+    balls.frustumCulled = false;
+    balls.renderOrder = 4;
+    group.add(balls);
+    const update = () => {
+      const matrix = new Matrix4();
+      some.forEach((b, at) => {
+        const place = new Vector3().fromArray(body.ipos, 3 * b).applyMatrix4(this.world.bodyMatrix(b));
+        balls.setMatrixAt(at, matrix.makeTranslation(place));
+      });
+      balls.instanceMatrix.needsUpdate = true;
+    };
+    return { group, update };
+  }
+
+  /** The convex hulls of meshes that collide: MuJoCo looks for contacts of these, and not of the meshes. */
+  private hulls() {
+    const { geom } = this.world.model.scene;
+    const group = new Group();
+    const drawn: { mesh: Mesh; index: number }[] = [];
+    const forms = new Map<BufferGeometry, BufferGeometry>();
+    const paint = new MeshPhongMaterial({ color: 0x14b8a6, transparent: true, opacity: 0.4, flatShading: true });
+    for (const { mesh, members } of this.world.surfaces()) {
+      for (const index of members) {
+        if (geom.type[index] !== MESH || !(geom.contype[index] || geom.conaffinity[index])) {
+          continue;
+        }
+        const form = forms.get(mesh.geometry) ?? hullOf(mesh.geometry);
+        forms.set(mesh.geometry, form);
+        const made = new Mesh(form, paint);
+        made.matrixAutoUpdate = false;
+        group.add(made);
+        drawn.push({ mesh: made, index });
+      }
+    }
+    const update = () => {
+      for (const { mesh, index } of drawn) {
+        this.world.matrixOf("geom", index, mesh.matrix);
+      }
     };
     return { group, update };
   }
@@ -337,6 +412,13 @@ export class Extras {
     };
     return { group, update };
   }
+}
+
+function hullOf(form: BufferGeometry): BufferGeometry {
+  const corners = form.getAttribute("position");
+  return new ConvexGeometry(
+    Array.from({ length: corners.count }, (_, k) => new Vector3().fromBufferAttribute(corners, k)),
+  );
 }
 
 const overlay = (color: number) => new MeshBasicMaterial({ color, depthTest: false, transparent: true, opacity: 0.9 });

@@ -388,9 +388,9 @@ export class Gizmo {
     }
     this.marked = this.site;
     if (this.site >= 0) {
-      world.mark({ kind: "site", index: this.site }, 0xffb020);
+      world.mark([{ kind: "site", index: this.site }], 0xffb020);
     } else {
-      world.mark(this.element, 0x3b82f6);
+      world.mark(this.element ? [this.element] : [], 0x3b82f6);
     }
   }
 
@@ -550,8 +550,7 @@ export class Gizmo {
           mquat: mocap(mquat, 4, body.quat),
           hold: hold.checked,
         });
-        this.app.notice(answer.refused ?? `saved: ${answer.said}`);
-        return !answer.refused;
+        return this.told(answer, "saved: ");
       },
     );
   }
@@ -562,21 +561,38 @@ export class Gizmo {
       return this.app.notice(refused);
     }
     const prefix = h("input", { type: "text", value: "tool", ariaLabel: "name of the part" });
-    const model = h(
-      "select",
-      { ariaLabel: "model" },
-      ...models.map((each: string) => h("option", { value: each }, each)),
-    );
+    const model = h("select", { ariaLabel: "model", size: 8 });
+    const search = h("input", {
+      type: "search",
+      placeholder: "Search files, packages and robots",
+      ariaLabel: "search models",
+      oninput: () => fill(),
+    });
+    const fill = () => {
+      const words = search.value.toLowerCase().split(/\s+/);
+      const fitting = models.filter((each: string) => words.every((word) => each.toLowerCase().includes(word)));
+      model.replaceChildren(...fitting.map((each: string) => h("option", { value: each, title: each }, each)));
+      model.selectedIndex = 0;
+    };
+    fill();
     ask(
       `Attach at ${this.scene!.site.name[site]}`,
-      [h("label", {}, "Name ", prefix), h("label", {}, "Model ", model)],
+      [h("label", {}, "Name ", prefix), h("label", {}, "Model ", search), model],
       "Attach",
       async () => {
         const answer = await this.ask({ kind: "attach", prefix: prefix.value.trim(), model: model.value, site });
-        this.app.notice(answer.refused ?? answer.said);
-        return !answer.refused;
+        return this.told(answer);
       },
     );
+  }
+
+  /** Show the words of an answer, or return its refusal. */
+  private told(answer: any, before = ""): string | null {
+    if (answer.refused) {
+      return answer.refused;
+    }
+    this.app.notice(before + answer.said);
+    return null;
   }
 
   // -- the box -----------------------------------------------------------------------------------------------------
@@ -787,21 +803,26 @@ function confirm(words: string, code: string, answers: string[]): Promise<number
   });
 }
 
-function ask(title: string, fields: (HTMLElement | null)[], word: string, act: () => Promise<boolean>): void {
+/** Ask for some fields. `act` returns null, or the reason why nothing was done, which the dialog shows. */
+function ask(title: string, fields: (HTMLElement | null)[], word: string, act: () => Promise<string | null>): void {
+  const refused = h("p", { className: "refused", role: "alert", hidden: true });
   const form = h(
     "form",
     { method: "dialog" },
     h("h2", {}, title),
     ...fields,
+    refused,
     h("button", { type: "submit" }, word),
-    h("button", { type: "button", onclick: () => dialog.remove() }, "Cancel"),
+    h("button", { type: "button", onclick: () => dialog.close() }, "Cancel"),
   );
-  const dialog = h("dialog", { className: "asks" }, form);
+  const dialog = h("dialog", { className: "asks", onclose: () => dialog.remove() }, form);
   form.addEventListener("submit", (event) => {
     event.preventDefault();
-    void act().then((done) => {
-      if (done) {
-        dialog.remove();
+    void act().then((reason) => {
+      refused.hidden = reason === null;
+      refused.textContent = reason ?? "";
+      if (reason === null) {
+        dialog.close();
       }
     });
   });

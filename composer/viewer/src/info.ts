@@ -58,12 +58,35 @@ export class Info {
     private readonly choose: (element: Element) => void,
   ) {}
 
-  show(element: Element | null): void {
+  /** Show an element, and the `others` that are selected with it. */
+  show(element: Element | null, others: Element[] = []): void {
     this.root.replaceChildren(
       ...(element
-        ? this.rows(element)
+        ? [...this.together([...others, element]), ...this.rows(element)]
         : [h("p", { className: "hint" }, "Click something in the picture or in the tree.")]),
     );
+  }
+
+  /** The names of several elements, and the mass of their bodies together. */
+  private together(elements: Element[]): HTMLElement[] {
+    if (elements.length < 2) {
+      return [];
+    }
+    const { body } = this.model.scene;
+    const bodies = new Set(
+      elements.map((each) => (each.kind === "body" ? each.index : bodyOf(this.model, each))).filter((b) => b >= 0),
+    );
+    const mass = [...bodies].reduce((sum, b) => sum + body.mass[b], 0);
+    const names = elements.flatMap((each, k) => [k ? ", " : "", this.link(each)]);
+    return [
+      h(
+        "p",
+        { className: "together" },
+        h("b", {}, `${elements.length} selected`),
+        `, their bodies have ${neat(mass)} kg: `,
+        ...names,
+      ),
+    ];
   }
 
   private rows(element: Element): HTMLElement[] {

@@ -32,7 +32,7 @@ export class Tree {
 
   constructor(
     private readonly model: Model,
-    private readonly choose: (element: Element) => void,
+    private readonly choose: (element: Element, more: boolean) => void,
     private readonly hover: (element: Element | null) => void,
     private readonly mark: (element: Element) => string = () => "",
   ) {
@@ -144,7 +144,7 @@ export class Tree {
       const [, words, why] = origins.exclude[k];
       const line = this.line("exclude", `${first} – ${second}`, null, null, why ?? words);
       line.title += ` ${why ?? words}`;
-      line.addEventListener("click", () => this.choose({ kind: "body", index: one }));
+      line.addEventListener("click", (event) => this.choose({ kind: "body", index: one }, event.shiftKey));
       line.addEventListener("keydown", (event) => {
         if (event.key === "Enter") {
           line.click();
@@ -238,10 +238,10 @@ export class Tree {
     );
     if (element) {
       this.rows.set(`${element.kind} ${element.index}`, line);
-      line.addEventListener("click", () => this.choose(element));
+      line.addEventListener("click", (event) => this.choose(element, event.shiftKey));
       line.addEventListener("keydown", (event) => {
         if (event.key === "Enter") {
-          this.choose(element);
+          this.choose(element, event.shiftKey);
         }
       });
       line.addEventListener("focus", () => this.hover(element));
@@ -304,7 +304,7 @@ export class Tree {
       Array.from({ length: count }, (_, index) => nameOf(this.model, { kind, index })).forEach((name, index) => {
         if (lines.length < 200 && name.toLowerCase().includes(query)) {
           const line = this.line(kind, name, null, null);
-          line.addEventListener("click", () => this.choose({ kind, index }));
+          line.addEventListener("click", (event) => this.choose({ kind, index }, event.shiftKey));
           lines.push(line);
         }
       });

@@ -1,4 +1,5 @@
 // The parts of the model that the page draws: groups, kinds of things, and marks; the panel *Show*.
+import { Bodies } from "./bodies";
 import { h } from "./dom";
 import { EXTRAS, type Extra, Extras, gridStep } from "./extras";
 import { type Labels, NAMED, type Named } from "./labels";
@@ -10,6 +11,9 @@ const EXTRA_WORDS: Record<Extra, string> = {
   frames: "body frames",
   axes: "joint axes",
   inertia: "inertia boxes",
+  ellipsoids: "inertia ellipsoids",
+  mass: "centers of mass",
+  hulls: "convex hulls that collide",
   contacts: "contacts",
   forces: "contact forces",
   cameras: "cameras",
@@ -21,13 +25,16 @@ export class Visible {
   extras: Extras | null = null;
   readonly contactCount = h("span", {});
   labels!: Labels;
+  readonly bodies: Bodies;
   private world!: World;
   private isCollision = false;
   private readonly groups = [true, true, true, false, false, false];
   private readonly softs: Record<string, boolean> = { site: true, tendon: true, skin: true, flex: true };
   private readonly marks = new Set<Extra>();
 
-  constructor(private readonly changed: () => void) {}
+  constructor(private readonly changed: () => void) {
+    this.bodies = new Bodies(changed);
+  }
 
   use(world: World): void {
     this.world = world;
@@ -36,6 +43,7 @@ export class Visible {
     for (const mark of this.marks) {
       this.extras.set(mark, true);
     }
+    this.bodies.use(world);
     this.apply();
   }
 
@@ -124,6 +132,7 @@ export class Visible {
       h("h3", {}, "Geoms"),
       ...groups,
       this.check("collision shapes only", this.isCollision, () => this.flipCollision()),
+      this.bodies.panel,
       ...(softs.length ? [h("h3", {}, "More of the model"), ...softs] : []),
       h("h3", {}, "Marks"),
       ...EXTRAS.map((mark) =>

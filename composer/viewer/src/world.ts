@@ -12,6 +12,7 @@ import {
   Matrix4,
   Mesh,
   MeshBasicMaterial,
+  type MeshPhongMaterial,
   type Object3D,
   type PerspectiveCamera,
   PointLight,
@@ -35,7 +36,13 @@ interface Batch {
   kind: Drawn;
   group: number;
   collides: boolean;
+  /** The colors that the model has. */
+  colors: Color[];
 }
+
+const GLASS = 0.35;
+/** The matrix of a thing that is hidden: nothing is left of it. */
+const NOTHING = new Matrix4().makeScale(0, 0, 0);
 
 /** Models with more geoms have rounder things drawn with fewer corners. */
 const MANY = 1500;
@@ -65,6 +72,7 @@ export class World {
   private readonly marked: { mesh: Mesh; kind: Drawn; index: number }[] = [];
   private readonly tinted: { mesh: Mesh; kind: Drawn; index: number }[] = [];
   private readonly far: number;
+  private hidden: ReadonlySet<number> = new Set();
   /** Whether shadows differ from those that were drawn last. */
   isShadowOld = true;
   readonly headlight = new PointLight(0xffffff, 0, 0, 0);
@@ -99,7 +107,7 @@ export class World {
     const fine = columns.name.length < MANY;
     const groups = new Map<
       string,
-      { members: number[]; make: () => InstancedMesh; batch: Omit<Batch, "mesh" | "members"> }
+      { members: number[]; make: () => InstancedMesh; batch: Omit<Batch, "mesh" | "members" | "colors"> }
     >();
     const colors: Color[] = [];
     columns.type.forEach((type: number, index: number) => {
@@ -154,7 +162,7 @@ export class World {
       mesh.instanceMatrix.setUsage(DynamicDrawUsage);
       mesh.frustumCulled = false;
       members.forEach((index, at) => mesh.setColorAt(at, colors[index]));
-      this.batches.push({ mesh, members, ...batch });
+      this.batches.push({ mesh, members, colors: members.map((index) => colors[index]), ...batch });
       this.root.add(mesh);
     }
   }
@@ -249,9 +257,13 @@ export class World {
     const matrix = new Matrix4();
     for (const { mesh, members, kind } of this.batches) {
       const on = this.model.scene[kind].body;
-      members.forEach((index, at) =>
-        mesh.setMatrixAt(at, matrix.multiplyMatrices(this.bodies[on[index]], this.local[kind][index])),
-      );
+      members.forEach((index, at) => {
+        const isHidden = kind === "geom" && this.hidden.has(index);
+        mesh.setMatrixAt(
+          at,
+          isHidden ? NOTHING : matrix.multiplyMatrices(this.bodies[on[index]], this.local[kind][index]),
+        );
+      });
       mesh.instanceMatrix.needsUpdate = true;
       mesh.boundingSphere = null;
     }
@@ -312,6 +324,9 @@ export class World {
       }
       mesh.geometry.computeBoundingBox();
       members.forEach((index) => {
+        if (kind === "geom" && this.hidden.has(index)) {
+          return;
+        }
         const box = mesh.geometry.boundingBox!.clone().applyMatrix4(this.matrixOf(kind, index));
         const type = kind === "geom" ? this.model.scene.geom.type[index] : -1;
         if (type !== PLANE && type !== HFIELD) {
@@ -356,6 +371,31 @@ export class World {
     this.isShadowOld = true;
   }
 
+  /** Draw the model without some geoms. */
+  setHidden(geoms: ReadonlySet<number>): void {
+    this.hidden = geoms;
+    this.update();
+  }
+
+  /** Draw all surfaces like glass, or as wires. */
+  setStyle(glass: boolean, wires: boolean): void {
+    for (const { mesh, kind } of this.batches) {
+      const paint = mesh.material as MeshPhongMaterial;
+      mesh.userData.paint ??= {
+        opacity: paint.opacity,
+        transparent: paint.transparent,
+        depthWrite: paint.depthWrite,
+      };
+      const own = mesh.userData.paint;
+      const isGlass = glass && kind === "geom";
+      paint.opacity = isGlass ? Math.min(GLASS, own.opacity) : own.opacity;
+      paint.transparent = isGlass || own.transparent;
+      paint.depthWrite = isGlass ? false : own.depthWrite;
+      paint.wireframe = wires && kind === "geom";
+      paint.needsUpdate = true;
+    }
+  }
+
   /** The geoms that are drawn at once, with their places on their bodies. */
   *surfaces(): Generator<{ mesh: InstancedMesh; members: number[]; matrices: Matrix4[] }> {
     for (const { mesh, members, kind } of this.batches) {
@@ -370,11 +410,15 @@ export class World {
       [...this.batches.filter(({ mesh }) => mesh.visible).map(({ mesh }) => mesh), ...this.softs.targets()],
       false,
     );
-    const hit = hits[0];
+    const batchOf = (object: Object3D) => this.batches.find(({ mesh }) => mesh === object);
+    const hit = hits.find(({ object, instanceId }) => {
+      const batch = batchOf(object);
+      return batch?.kind !== "geom" || !this.hidden.has(batch.members[instanceId!]);
+    });
     if (!hit) {
       return null;
     }
-    const batch = this.batches.find(({ mesh }) => mesh === hit.object);
+    const batch = batchOf(hit.object);
     const element = batch
       ? { kind: batch.kind, index: batch.members[hit.instanceId!] }
       : this.softs.element(hit.object, hit.instanceId);
@@ -386,9 +430,10 @@ export class World {
     this.uncover(this.tinted);
     const { scene } = this.model;
     const paints = new Map<number, MeshBasicMaterial>();
-    for (const { mesh, members, kind } of this.batches) {
+    for (const { mesh, members, kind, colors: own } of this.batches) {
       const columns = scene[kind];
       members.forEach((index, at) => {
+        mesh.setColorAt(at, own[at]);
         const color = colors(kind, index);
         if (!color) {
           return;
@@ -409,14 +454,13 @@ export class World {
   }
 
   /** Mark what is selected. */
-  mark(element: Element | null, color: number): void {
+  mark(elements: Element[], color: number): void {
     this.uncover(this.marked);
-    if (!element) {
-      return;
-    }
     const paint = overlay(color, 0.42);
-    for (const { kind, index } of this.drawnOf(element)) {
-      this.cover(this.marked, kind, index, paint);
+    for (const { kind, index } of elements.flatMap((element) => this.drawnOf(element))) {
+      if (kind !== "geom" || !this.hidden.has(index)) {
+        this.cover(this.marked, kind, index, paint);
+      }
     }
   }
 

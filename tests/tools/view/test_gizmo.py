@@ -338,3 +338,36 @@ def test_a_page_of_another_origin_changes_nothing_even_with_the_token(folder: Pa
         assert (folder / "cell.yaml").read_text() != RECIPE
     page.close()
     other.shutdown()
+
+
+@pytest.mark.slow
+def test_a_model_to_attach_is_searched_and_a_refusal_is_in_the_dialog(
+    folder: Path, open_page: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    robot = folder / "robots" / "fine_robot"
+    robot.mkdir(parents=True)
+    (robot / "fine_hand.xml").write_text("<mujoco/>")
+    monkeypatch.setenv("MENAGERIE_ROOT", str(folder / "robots"))
+    with running("cell.yaml", folder) as server:
+        page = open_page(server.address)
+        hand = Mouse(page, folder / "cell.yaml", server.workshop)
+        page.evaluate(
+            "mjcompose.select({kind: 'site', index: mjcompose.world.model.scene.site.name.indexOf('table/corner')}, true)"
+        )
+        page.get_by_role("button", name="Attach here…").first.click()
+        models = page.get_by_label("model", exact=True).locator("option")
+        models.first.wait_for(state="attached")
+        assert models.count() > 5
+        page.get_by_label("search models").fill("FINE menagerie")
+        assert models.all_inner_texts() == ["menagerie:fine_robot/fine_hand"]
+        page.get_by_label("search models").fill("cube.xml")
+        assert models.all_inner_texts() == ["./models/props/cube.xml"]
+        before = hand.text
+        page.get_by_label("name of the part").fill("gripper")
+        page.get_by_role("button", name="Attach", exact=True).click()
+        page.locator("dialog .refused", has_text="there is a part `gripper`").wait_for()
+        assert hand.text == before
+        page.get_by_label("name of the part").fill("second")
+        page.get_by_role("button", name="Attach", exact=True).click()
+        assert "second: {model: ./models/props/cube.xml, site: table/corner}" in hand.changed(before)
+        page.locator("dialog").wait_for(state="detached")

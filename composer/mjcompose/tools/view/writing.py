@@ -26,6 +26,7 @@ from mjcompose.language.forms.context import Settings
 from mjcompose.language.placing import ORIENTATIONS
 from mjcompose.plan.steps import AngleSettings
 from mjcompose.sources.fetching import model_files
+from mjcompose.sources.menagerie import known_models
 from mjcompose.text import node as yaml_tree
 from mjcompose.text.evaluate import Template
 from mjcompose.text.expression import ExpressionError
@@ -403,7 +404,7 @@ class Writer:
         return self._finish(draft, f"attach {prefix}", said)
 
     def _models(self, said: Any) -> Answer:
-        """Sequence the models that can be attached: all models of the folder, and all models that the recipe uses."""
+        """Return the models for a new part: models of the recipe and of its folder, and robots of Menagerie."""
         targets = self._now.targets
         if targets.plan is None:
             raise DraftRefused("only a recipe can be changed here")
@@ -411,7 +412,8 @@ class Writer:
         texts = [each.text for each in used if isinstance(each, Scalar)]
         recipe = targets.paths[targets.recipe]
         files = [f"./{each}" for each in model_files(recipe.parent) if each != recipe.name]
-        return {"models": list(dict.fromkeys([*texts, *files]))}
+        robots = [f"menagerie:{robot}/{entry}" for robot, entry, _ in known_models(os.environ)]
+        return {"models": list(dict.fromkeys([*texts, *files, *robots]))}
 
     def _parameter(self, said: Any) -> Answer:
         draft = self._recipe(said)
