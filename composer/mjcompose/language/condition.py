@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping as Map
 from dataclasses import replace
+from typing import Final
 
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import unknown_name
+from mjcompose.language.left_out import LeftOut
 from mjcompose.language.parameters import Axes, Turn, Turned, in_unit, no_value, plain, report, same, with_unit
 from mjcompose.text.evaluate import Template
 from mjcompose.text.expression import Angle, ExpressionError, Value
 from mjcompose.text.merge import Path, in_own_model, is_edits
 from mjcompose.text.node import Key, Mapping, Node, Scalar, Sequence, is_template, walk
 
-WHEN = "when"
+WHEN: Final = "when"
 _MAX_DEPTH = 4  # the depth of a part's edits
 
 
@@ -39,6 +41,7 @@ class Condition:
         self.any = any
         self.turn = turn
         self.in_doubt: set[str] = set()
+        self.left_out: list[LeftOut] = []
 
     def kept(self, document: Mapping) -> Mapping:
         found = self.of(document, ())
@@ -56,6 +59,7 @@ class Condition:
             scalars = (each.node for each in walk(node) if isinstance(each.node, Scalar))
             self.in_doubt.update([str(path[-1]), *(each.text for each in scalars)])
         if not holds:
+            self.left_out.append(LeftOut(path, node, WHEN, condition, self.scope))
             return None
         return Mapping({name: each for name, each in node.entries.items() if name != WHEN}, node.span)
 

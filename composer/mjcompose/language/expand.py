@@ -15,6 +15,7 @@ from mjcompose.base.naming import odd_character
 from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import unknown_name
 from mjcompose.language.condition import Condition
+from mjcompose.language.left_out import LeftOut
 from mjcompose.language.parameters import (
     Axes,
     Parameter,
@@ -38,7 +39,8 @@ class Concrete(Struct):
     """A recipe without parameters and variants, and the values it was made with.
 
     `scope` has the values by name, with variants as text; `lost` has the names that are left out or in doubt because of
-    errors, and `gone` has the paths of the keys that are left out.
+    errors, and `gone` has the paths of the keys that are left out. `left_out` has the entries that the model does not
+    have by the recipe itself.
     """
 
     document: Mapping
@@ -47,6 +49,7 @@ class Concrete(Struct):
     variants: Map[str, str]
     lost: frozenset[str] = frozenset()
     gone: frozenset[Path] = frozenset()
+    left_out: tuple[LeftOut, ...] = ()
 
 
 def expand(document: Mapping, given: Map[str, Node], sink: Sink, any: bool = False) -> Concrete:
@@ -66,18 +69,27 @@ def expand(document: Mapping, given: Map[str, Node], sink: Sink, any: bool = Fal
     rest = without_ids(Mapping(unsettled, document.span), sink)
     broken = (_declared(document, "params") | _declared(document, "variants")) - scope.keys()
     lost: set[str] = set()
+    left_out: list[LeftOut] = []
     misplaced = misplaced_names(rest)
     if has_repetitions(rest):
         repeater = Repeater(scope, axes, broken, sink=sink, any=any)
         rest = repeater.repeated(rest)
         lost |= repeater.lost
+        left_out += repeater.left_out
     condition = Condition(scope, axes, broken, sink=sink, any=any)
     substitution = Substitution(scope, broken | misplaced, sink=sink)
     substituted = substitution.of(condition.kept(rest))
     assert isinstance(substituted, Mapping)
     lost |= condition.in_doubt | substitution.lost
+    left_out += condition.left_out
     return Concrete(
-        substituted, scope, parameters, variants=chosen, lost=frozenset(lost), gone=frozenset(substitution.gone)
+        substituted,
+        scope,
+        parameters,
+        variants=chosen,
+        lost=frozenset(lost),
+        gone=frozenset(substitution.gone),
+        left_out=tuple(left_out),
     )
 
 

@@ -6,20 +6,21 @@ import itertools
 import math
 from collections.abc import Iterator, Mapping as Map, Sequence as Values
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 from mjcompose.base.diagnostic import Note
 from mjcompose.base.limits import advice, in_force
 from mjcompose.base.sink import Sink
 from mjcompose.language.columns import quoted
 from mjcompose.language.condition import WHEN, Condition, has_items_below, is_item
+from mjcompose.language.left_out import LeftOut
 from mjcompose.language.parameters import Axes, Substitution, Turn, Turned, is_usable, plain, report, with_angles
 from mjcompose.text.evaluate import Template
 from mjcompose.text.expression import DataTable, ExpressionError, Value, kind, shown
 from mjcompose.text.merge import Path, in_own_model
 from mjcompose.text.node import Key, Mapping, Node, Scalar, Sequence, find, is_template, walk
 
-FOR = "for"
+FOR: Final = "for"
 _HELP = "write `for: {i: 3}` for 0, 1 and 2, or `for: {side: [left, right]}`"
 
 
@@ -64,6 +65,7 @@ class Repeater:
         self.sink = sink
         self.any = any
         self.lost: set[str] = set()
+        self.left_out: list[LeftOut] = []
         self._made = 0
 
     def repeated(self, document: Mapping) -> Mapping:
@@ -100,6 +102,8 @@ class Repeater:
         if turns is None:
             self._lose(node, key)
             return
+        if not turns:
+            self.left_out.append(LeftOut(path, node, FOR, node.entries[FOR][1], {**self.scope, **around}))
         entry = _marked(node)
         size = sum(1 for _ in walk(entry))
         most = in_force().yaml_values
@@ -191,6 +195,7 @@ class Repeater:
         if kept is not None and written.chooses:
             kept = condition.of(kept, written.path)
         self.lost |= condition.in_doubt
+        self.left_out += condition.left_out
         if kept is None:
             return key, None
         made = Substitution(scope, self.broken, self.sink, turn).of(kept, written.path)

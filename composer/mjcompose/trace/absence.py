@@ -10,13 +10,17 @@ from pathlib import Path
 from lxml.etree import _Element as Node
 
 from mjcompose.base.diagnostic import Note, Span
+from mjcompose.base.files import RECIPES
+from mjcompose.base.sink import Sink
 from mjcompose.base.suggest import did_you_mean
+from mjcompose.language.left_out import LeftOut, other_pieces
 from mjcompose.language.value import attribute_and_index
 from mjcompose.link.existence import WrittenElements
 from mjcompose.link.linking import Part
 from mjcompose.link.measure import compiled_names
-from mjcompose.plan.read import Given as ConcreteGiven
+from mjcompose.plan.read import Given as ConcreteGiven, expanded_recipe, read_recipe
 from mjcompose.sources.context import Context
+from mjcompose.text.node import Mapping
 from mjcompose.trace import query
 from mjcompose.trace.explanation import Absence, AbsenceExplained, Reason
 from mjcompose.trace.query import ExplainQuery, no_attribute, not_found
@@ -32,9 +36,10 @@ _LEVELS = {"element": "the element itself gives it", "mujoco": "MuJoCo's default
 class Absences:
     """The elements that a composition read or made and that its model does not have."""
 
-    def __init__(self, traced: Traced, context: Context) -> None:
+    def __init__(self, traced: Traced, context: Context, left_out: tuple[LeftOut, ...] = ()) -> None:
         self.traced = traced
         self.context = context
+        self.left_out = left_out
         self.present = set(traced.model.root.iter("*"))
 
     @cached_property
@@ -63,6 +68,8 @@ class Absences:
         if asked.attribute is not None and there:
             return self._attribute(there[0], asked.attribute)
         found += [absence for node in there for absence in self._in_mujoco(node)]
+        if not found and not there:
+            found += self._not_in_recipe(asked)
         if found:
             return AbsenceExplained(asked.text, tuple(found))
         if there:
@@ -89,6 +96,22 @@ class Absences:
                 if fits(life) and query.name_of(life.node) != asked.name
             ]
         return found + list(self._merged(asked))
+
+    def _not_in_recipe(self, asked: ExplainQuery) -> Iterator[Absence]:
+        """Yield the entries with that name that the recipe writes and that a condition or a variant leaves out."""
+        tags = None if asked.kinds is None else {path.rpartition("/")[2] for path in asked.kinds}
+        for left in self.left_out:
+            reason = Reason(left.words, left.span)
+            if asked.line is not None:
+                if left.covers(*asked.line):
+                    yield Absence(asked.text, "", (), reason)
+                continue
+            for name in left.names():
+                # The elements of a part that is left out were never read: only its prefix is known.
+                is_part = name.tag == "part" and (asked.name or "").startswith(f"{name.name}{self.traced.separator}")
+                if is_part or (name.is_of(asked.name or "") and (tags is None or name.tag in tags)):
+                    called = name.name if is_part else asked.name
+                    yield Absence(f"{name.tag} {called}", "", (Reason("written in the recipe", name.span),), reason)
 
     def _fits(self, asked: ExplainQuery) -> Callable[[Life], bool]:
         tags = None if asked.kinds is None else {path.rpartition("/")[2] for path in asked.kinds}
@@ -215,7 +238,19 @@ def explain_absence(
 ) -> AbsenceExplained | None:
     """Explain why an element is not in the model of a recipe or an MJCF file; return None after an error."""
     traced = trace(path, context, sample, given=given)
-    return None if traced is None else Absences(traced, context).answer(asked)
+    return None if traced is None else Absences(traced, context, _left_out(path, context, given or {})).answer(asked)
+
+
+def _left_out(path: Path, context: Context, given: ConcreteGiven) -> tuple[LeftOut, ...]:
+    """Return the entries that a recipe leaves out of this model; none for an MJCF file."""
+    if path.suffix.lower() not in RECIPES:
+        return ()
+    own = replace(context, sink=Sink())
+    concrete = expanded_recipe(path, given, own)
+    written = read_recipe(path, own)
+    if concrete is None or not isinstance(written, Mapping):
+        return ()
+    return (*concrete.left_out, *other_pieces(written, concrete.variants, concrete.scope))
 
 
 def names_of(life: Life) -> set[str]:
