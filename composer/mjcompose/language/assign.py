@@ -224,7 +224,7 @@ def flat(written: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, str
         if isinstance(value, Mapping):
             yield from flat(value, f"{above}{name}.")
         else:
-            yield above + name, value_text(value)
+            yield above + name, "null" if value is None else value_text(value)
 
 
 _CLASSES = "default"
