@@ -15,7 +15,7 @@ from mjcompose.text.node import Mapping, Node, Scalar, Sequence, is_template, wa
 
 _EXPRESSION = re.compile(r"\$\{[^}]*\}")
 _OF_SECTIONS = {"attach": "part", "keyframe": "key"}
-"""The sections whose keys are names, with what they name."""
+"""The sections whose keys are names: of parts, and of keys of a model."""
 
 
 class LeftOut(NamedTuple):
