@@ -9,6 +9,7 @@ import { help, listen } from "./keyboard";
 import { WIDTHS } from "./kinematics";
 import { Labels } from "./labels";
 import { Meters } from "./meters";
+import { Params } from "./params";
 import type { Player, Shot } from "./player";
 import { Puller, Ruler } from "./pointer";
 import { Poses } from "./poses";
@@ -27,6 +28,7 @@ const POINTED = 0xffb020;
 /** The models of the page, and its views of the current one. */
 interface Shown {
   models: Model[];
+  params: Params;
   contrast: Contrast | null;
   tree: Tree;
   info: Info;
@@ -205,7 +207,12 @@ export class App {
     const chooseRow = (element: Element, more: boolean) => (more ? this.add(element) : this.select(element, true));
     const tree = new Tree(model, chooseRow, hover, (element) => contrast?.of(element) ?? "");
     const info = new Info(model, choose);
-    this.shown = { models, contrast, tree, info };
+    const params = this.shown?.params ?? this.params();
+    this.shown = { models, params, contrast, tree, info };
+    const parameters = this.server ? (scene.params ?? []) : [];
+    params.use(parameters, Boolean(this.gizmo?.writes));
+    frame.panels.setParams(parameters.length > 0);
+    frame.panels.of.Params.replaceChildren(params.panel);
     frame.tree.replaceChildren(tree.root);
     this.sliders = new Sliders(
       model,
@@ -223,6 +230,13 @@ export class App {
     panels.Attach.replaceChildren(places(model, choose, hover));
     this.ruler.clear();
     this.time.clear();
+  }
+
+  private params(): Params {
+    return new Params(
+      (name, value) => this.server?.choose(name, value),
+      (name, value) => void this.gizmo?.setParameter(name, value),
+    );
   }
 
   private menus(): void {

@@ -92,6 +92,17 @@ export interface Difference {
   after: Record<string, string[]>;
   label: string;
 }
+/** A number that a recipe declares; `standard` is its default. */
+export interface Parameter {
+  name: string;
+  value: number;
+  standard: number;
+  low: number | null;
+  high: number | null;
+  whole: boolean;
+  unit: string;
+  doc: string;
+}
 export interface Choice {
   name: string;
   label: string;
@@ -158,6 +169,7 @@ export interface Scene {
   editor?: { template: string; files: Record<string, string> };
   key_named?: string | null;
   choices?: Choice[];
+  params?: Parameter[];
   difference?: Difference;
   move?: Move;
 }

@@ -1,7 +1,7 @@
 // The parts of the page around the picture: the bar, the tree, the tabs, and the tip over the picture.
 import { h, icon } from "./dom";
 
-export const TABS = ["Changes", "Info", "Joints", "Controls", "Sensors", "Show", "Attach"] as const;
+export const TABS = ["Changes", "Info", "Params", "Joints", "Controls", "Sensors", "Show", "Attach"] as const;
 export type Tab = (typeof TABS)[number];
 
 /** A button of the bar. */
@@ -46,6 +46,13 @@ export class Panels {
   setCompared(isCompared: boolean): void {
     this.tabs.Changes.hidden = !isCompared;
     this.tabs.Attach.hidden = isCompared;
+  }
+
+  setParams(hasParams: boolean): void {
+    this.tabs.Params.hidden = !hasParams;
+    if (!hasParams && !this.of.Params.hidden) {
+      this.open("Info");
+    }
   }
 
   /** The arrows go from tab to tab. */

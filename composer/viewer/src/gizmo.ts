@@ -505,6 +505,12 @@ export class Gizmo {
     }
   }
 
+  /** Write the default of a parameter. */
+  async setParameter(name: string, value: number): Promise<void> {
+    const answer = await this.ask({ kind: "parameter", name, value });
+    this.app.notice(answer.refused ?? answer.said);
+  }
+
   /** Carry out the fix of a diagnostic. */
   async fix(text: string): Promise<void> {
     const answer = await this.ask({ kind: "fix", text });
@@ -706,9 +712,7 @@ export class Gizmo {
       () => now,
       (number) => {
         now = neat(number, 6);
-        void this.ask({ kind: "parameter", name, value: number }).then((answer) =>
-          this.app.notice(answer.refused ?? answer.said),
-        );
+        void this.setParameter(name, number);
       },
     );
     return h("label", { className: "line" }, `params: ${name} `, box.root);

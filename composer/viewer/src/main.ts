@@ -18,6 +18,8 @@ export class Live {
   private readonly page = Math.random().toString(36).slice(2);
   private count = 0;
   private looked = "";
+  /** The values that a build does not have yet. */
+  private readonly wanted = new Map<string, string | number>();
   /** A state that came before its model. */
   private early: any = null;
   /** When this page last sent its controls: states that are on the way have older ones. */
@@ -39,7 +41,7 @@ export class Live {
       },
       look: () => this.look(),
       pull: (pull) => post("pull", pull ?? {}),
-      choose: (name, value) => post("choose", { name, value }),
+      choose: (name, value) => void this.choose(name, value),
     };
     if (this.wire.ask) {
       const gizmo = new Gizmo(app, (request) => this.wire.ask!("change", request));
@@ -59,6 +61,22 @@ export class Live {
         }
       },
     );
+  }
+
+  /** Build with other values: one build at a time, and always the newest value of each name. */
+  private async choose(name: string, value: string | number): Promise<void> {
+    const isUnderWay = this.wanted.size > 0;
+    this.wanted.set(name, value);
+    if (isUnderWay) {
+      return;
+    }
+    while (this.wanted.size) {
+      const [next, newest] = [...this.wanted][0];
+      await this.wire.post("choose", { name: next, value: newest }).catch(() => {});
+      if (this.wanted.get(next) === newest) {
+        this.wanted.delete(next);
+      }
+    }
   }
 
   /** The state from which the physics start. */

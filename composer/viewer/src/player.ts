@@ -17,7 +17,7 @@ export interface Player {
   /** Ask for contacts and sensors of the pose. */
   look(): void;
   pull(pull: Pull | null): void;
-  choose(name: string, value: string): void;
+  choose(name: string, value: string | number): void;
 }
 
 /** A state of the physics. `kept` is the range of times that can be shown again. */

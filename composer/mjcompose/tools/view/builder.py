@@ -21,7 +21,7 @@ from mjcompose.sides.operand import Operand, read_operand
 from mjcompose.sides.side import Side, load
 from mjcompose.sources.context import Context
 from mjcompose.text.node import texts
-from mjcompose.tools.view.page import ViewChoice, choices, described
+from mjcompose.tools.view.page import ViewChoice, choices, described, parameters
 from mjcompose.tools.view.render import check_given
 from mjcompose.tools.view.targets import MovableItems, movable
 
@@ -154,7 +154,7 @@ class Workshop:
         self.shown = Shown()
         self.inputs: frozenset[Path] = frozenset()
 
-    def choose(self, name: str, value: str) -> None:
+    def choose(self, name: str, value: str | float) -> None:
         with self.lock:
             self.asked = self.asked.choosing(name, value)
             self.build()
@@ -194,7 +194,14 @@ class Workshop:
                 scene["move"]["version"] = old.version + 1
 
         found = described(
-            side, self.session, old.blobs, editor=self.editor, extend=extend, key_named=self.key, choices=menus
+            side,
+            self.session,
+            old.blobs,
+            editor=self.editor,
+            extend=extend,
+            key_named=self.key,
+            choices=menus,
+            params=parameters(operand, self.asked),
         )
         if found is None or (old.version < 0 and not found.has_key(self.key, operand.context.sink)):
             return False

@@ -35,7 +35,7 @@ from mjcompose.sides.operand import Operand, OperandKind
 from mjcompose.sides.revision import split
 from mjcompose.sides.side import End, Side
 from mjcompose.sources.context import Context, as_text
-from mjcompose.text.node import Mapping, Node, Scalar, find
+from mjcompose.text.node import Mapping, Node, Scalar, find, to_python
 from mjcompose.trace import query
 from mjcompose.trace.explanation import Reason
 from mjcompose.trace.traced import Traced
@@ -54,21 +54,65 @@ class ViewChoice(Struct):
     pick: str | None = None
     sample: int | None = None
 
-    def choosing(self, name: str, value: str) -> ViewChoice:
+    def choosing(self, name: str, value: str | float) -> ViewChoice:
         if name == CELL:
-            return replace(self, pick=None if value == _NONE else value, sample=None)
-        given = {**self.given, name: Scalar(value, Span(f"--set {name}", 1, 1), value, plain=False)}
+            return replace(self, pick=None if value == _NONE else str(value), sample=None)
+        is_number = not isinstance(value, str)
+        given = {**self.given, name: Scalar(value, Span(f"--set {name}", 1, 1), str(value), plain=is_number)}
         return replace(self, given=given)
+
+
+def _document(operand: Operand) -> Mapping | None:
+    """Return the recipe of an operand, or None for a model and for a recipe that cannot be read."""
+    if operand.kind is not OperandKind.RECIPE:
+        return None
+    context = replace(operand.context, sink=Sink())
+    document = read_recipe(context.folder / operand.path, context)
+    return document if isinstance(document, Mapping) else None
+
+
+def parameters(operand: Operand, asked: ViewChoice) -> list[dict[str, Any]]:
+    """Return the numbers among the parameters of a recipe, with their values and bounds."""
+    document = _document(operand)
+    declared = None if document is None else find(document, ("params",))
+    if not isinstance(declared, Mapping):
+        return []
+    rows = []
+    for name, (_, node) in declared.entries.items():
+        entry = to_python(node)
+        form = entry if isinstance(entry, dict) else {"default": entry}
+        standard = form.get("default")
+        if isinstance(standard, bool) or not isinstance(standard, int | float):
+            continue
+        chosen = asked.given.get(name)
+        rows.append(
+            {
+                "name": name,
+                "value": _number(chosen, standard),
+                "standard": standard,
+                "low": form.get("min"),
+                "high": form.get("max"),
+                "whole": isinstance(standard, int) and form.get("type", "int") == "int",
+                "unit": str(form.get("unit", "")),
+                "doc": str(form.get("doc", "")),
+            }
+        )
+    return rows
+
+
+def _number(node: Node | None, standard: float) -> float:
+    try:
+        return standard if not isinstance(node, Scalar) else float(node.text)
+    except ValueError:  # an expression, or a value that is refused
+        return standard
 
 
 def choices(operand: Operand, asked: ViewChoice) -> list[dict[str, Any]]:
     """Return the menus of a recipe: its variants, unless a cell sets them, and its cells and samples."""
-    if operand.kind is not OperandKind.RECIPE:
+    document = _document(operand)
+    if document is None:
         return []
     context = replace(operand.context, sink=Sink())
-    document = read_recipe(context.folder / operand.path, context)
-    if not isinstance(document, Mapping):
-        return []
     menus: list[dict[str, Any]] = []
     variants = find(document, ("variants",))
     axes = variants.entries.items() if isinstance(variants, Mapping) and asked.pick is None else ()

@@ -7,6 +7,7 @@ import gzip
 import hmac
 import io
 import json
+import math
 import queue
 import re
 import secrets
@@ -215,7 +216,7 @@ class PageServer:
             row["fix"] = fault.words if self.workshop.writes and fault.fixed is not None else None
         return row
 
-    def choose(self, name: str, value: str) -> None:
+    def choose(self, name: str, value: str | float) -> None:
         self.workshop.choose(name, value)
         self.show(self.workshop.shown)
 
@@ -426,7 +427,9 @@ class _Handler(BaseHTTPRequestHandler):
         if key == "pose":
             return partial(physics.update, {"ctrl": _numbers(said["ctrl"])})
         if key == "choose":
-            return partial(self.server.owner.choose, _text(said["name"]), _text(said["value"]))
+            value = said["value"]
+            is_number = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+            return partial(self.server.owner.choose, _text(said["name"]), value if is_number else _text(value))
         if key == "look":
             asked = {name: _numbers(said[name]) for name in ("qpos", "ctrl")} | {"looked": _text(said["looked"])}
             return partial(physics.look, int(said["version"]), asked)
