@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 import operator
-from collections.abc import Iterable, Iterator, Mapping as Map
+from collections.abc import Collection, Iterable, Iterator, Mapping as Map
 from pathlib import PurePosixPath
 
 from mjcompose.base.dataclass import Struct
@@ -13,7 +13,7 @@ from mjcompose.base.diagnostic import CellName, Note, Span
 from mjcompose.base.limits import advice, in_force
 from mjcompose.base.naming import odd_character
 from mjcompose.base.sink import Sink
-from mjcompose.base.suggest import unknown_name
+from mjcompose.base.suggest import did_you_mean, exists_note, unknown_name
 from mjcompose.language.condition import Condition
 from mjcompose.language.left_out import LeftOut
 from mjcompose.language.parameters import (
@@ -32,7 +32,7 @@ from mjcompose.language.repeat import Repeater, has_repetitions, misplaced_names
 from mjcompose.text.evaluate import Template
 from mjcompose.text.expression import ExpressionError, Value, shown
 from mjcompose.text.merge import Path, without_ids
-from mjcompose.text.node import Key, Mapping, Node, Scalar, Sequence, find, is_template
+from mjcompose.text.node import Key, Mapping, Node, Scalar, Sequence, find, is_template, locate
 
 
 class Concrete(Struct):
@@ -145,7 +145,7 @@ class Cell(Struct):
     """One combination: its name, and the value of every axis of the matrix that it sets, by name.
 
     `cell` is the name of the combination, None without a matrix. `sample` is the number of its sample; 0 has no
-    draws. `is_sample` says that it is one of several samples.
+    draws. `is_sample` says that it is one of several samples. `weight` is its share of worlds, relative to other cells.
     """
 
     name: str
@@ -154,6 +154,7 @@ class Cell(Struct):
     sample: int = 0
     cell: str | None = None
     is_sample: bool = False
+    weight: float = 1.0
 
     @property
     def label(self) -> CellName:
@@ -177,7 +178,8 @@ def cells(document: Mapping, name: str, sink: Sink, given: Map[str, Node] | None
     if sink.error_count > before:
         return []
     named = [(matrix.name_of(name, given), given, span) for given, span in combinations]
-    made = [Cell(each, given, span, cell=each) for each, given, span in named]
+    matrix.check_weights([given for given, _ in combinations])
+    made = [Cell(each, given, span, cell=each, weight=matrix.weight_of(given)) for each, given, span in named]
     if sink.error_count == before:
         _check_names_of_cells(made, matrix, sink)
     return made if sink.error_count == before else []
@@ -260,6 +262,30 @@ class _Matrix:
                 if isinstance(item, Mapping) and not wrong:
                     yield item
 
+    def check_weights(self, cells: Collection[Map[str, Node]]) -> None:
+        """Report weights of axes and values that no cell has."""
+        for axis, weights in (self.grid.weights if self.grid is not None else {}).items():
+            span = locate(self.node, ("weights", axis), key=True)
+            if axis not in self.axes:
+                message = f"the matrix has no axis `{axis}`"
+                self.sink.add(unknown_name("axis", axis, self.axes, span=span, message=message))
+                continue
+            known = {_text(given[axis]): None for given in cells if axis in given}
+            for value in weights:
+                if value not in known:
+                    span = locate(self.node, ("weights", axis, value), key=True)
+                    message = f"`matrix.weights.{axis}` has `{value}`, which is not a value of the axis"
+                    notes = (exists_note("value", known, value),)
+                    self.sink.error("out-of-range", message, span, notes=notes, help=did_you_mean(value, known))
+        if cells and not any(map(self.weight_of, cells)):
+            span = locate(self.node, ("weights",), key=True)
+            self.sink.error("out-of-range", "all weights are 0", span, help="give one cell a weight")
+
+    def weight_of(self, given: Map[str, Node]) -> float:
+        """Return the product of the weights of a cell's values."""
+        weights = self.grid.weights if self.grid is not None else {}
+        return math.prod(weights[axis].get(_text(node), 1.0) for axis, node in given.items() if axis in weights)
+
     def name_of(self, name: str, given: dict[str, Node]) -> str:
         scope = scope_of(self.document, {**self.given, **given})
         name = settled_name(name, scope)
@@ -273,6 +299,10 @@ class _Matrix:
         except ExpressionError as error:
             report(error, node, ["name", *scope], broken=frozenset(), sink=self.sink)
             return name
+
+
+def _text(node: Node) -> str:
+    return node.text if isinstance(node, Scalar) else str(plain(node))
 
 
 def labels_of_paths(values: Iterable[str]) -> Map[str, str]:

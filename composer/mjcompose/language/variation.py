@@ -204,6 +204,10 @@ def _in_unit(value: Any, unit: str | None) -> Any:
     return value if unit is None or unit not in UNITS else in_unit(value, UNITS[unit])
 
 
+_Weight = Annotated[float, Measure(ge=0)]
+_WEIGHTS = Expects("a mapping from axes to weights of their values", "{gripper: {large: 3}}")
+
+
 class Grid(Model):
     """The combinations that `build --all` builds."""
 
@@ -221,6 +225,10 @@ class Grid(Model):
     """More combinations."""
     name: Text | None = None
     """The name of a combination, with `${…}` for its values."""
+    weights: Annotated[dict[str, dict[str, _Weight]], _WEIGHTS] = Field(
+        default_factory=dict, examples=["{gripper: {large: 3}}"]
+    )
+    """How many worlds `study.assign` gives to each cell, by axis and value. Other values have the weight 1."""
 
 
 _ABOUT = "The default alone, which determines the parameter's type."

@@ -173,6 +173,37 @@ def test_shares_of_worlds(pick: tuple[worlds.Worlds, list[mjcompose.Loaded]]) ->
     assert few.assign(5).table.cell.tolist() == [0, 1, 2, 3, 4]
 
 
+def test_weights_of_a_recipe(tmp_path: Path) -> None:
+    names = ("cube", "ball", "hammer")
+    folder = lay_out(tmp_path, names)
+    text = (folder / "pick.yaml").read_text()
+    (folder / "pick.yaml").write_text(text.replace(', name: "', ', weights: {object: {./ball.xml: 3}}, name: "'))
+    study = joint(folder)
+    assert study.table.weights.tolist() == [1, 3, 1]
+    assert np.bincount(study.assign(10).table.cell).tolist() == [2, 6, 2]
+    assert np.bincount(study.assign(9, weights={}).table.cell).tolist() == [3, 3, 3]
+
+
+@pytest.mark.parametrize(
+    ("weights", "said"),
+    [
+        (
+            "{object: {./cup.xml: 3}}",
+            "error[out-of-range]: `matrix.weights.object` has `./cup.xml`, which is not a value",
+        ),
+        ("{objet: {./cube.xml: 3}}", "the matrix has no axis `objet`"),
+        ("{object: {./cube.xml: 0, ./ball.xml: 0}}", "error[out-of-range]: all weights are 0"),
+        ("{object: {./cube.xml: -1}}", "error["),
+    ],
+)
+def test_wrong_weights_of_a_recipe(tmp_path: Path, weights: str, said: str) -> None:
+    folder = lay_out(tmp_path, ("cube", "ball"))
+    text = (folder / "pick.yaml").read_text()
+    (folder / "pick.yaml").write_text(text.replace(', name: "', f', weights: {weights}, name: "'))
+    result = run(folder, "--as", "worlds", "-o", "out/")
+    assert result.exit_code == 1 and said in result.output, result.output
+
+
 @pytest.mark.parametrize(
     ("weights", "said"),
     [

@@ -176,6 +176,7 @@ class Joined(NamedTuple):
     sample: int
     table: Table | None = None
     folder: Path | None = None
+    weight: float = 1.0
 
 
 class WorldGroup(Struct, frozen=False):
@@ -216,6 +217,7 @@ class Joining(Struct, frozen=False):
     groups: list[WorldGroup] = field(default_factory=list)
     _structures: dict[str, WorldGroup] = field(default_factory=dict)
     _cells: list[Mapping[str, Value | None]] = field(default_factory=list)
+    _weights: list[float] = field(default_factory=list)
     _cell: list[int] = field(default_factory=list)
     _sample: list[int] = field(default_factory=list)
 
@@ -234,6 +236,7 @@ class Joining(Struct, frozen=False):
             self._check_elements(each)
         if each.cell not in self._cells:
             self._cells.append(each.cell)
+            self._weights.append(each.weight)
         count = 1 if each.table is None else each.table.count
         group.take(each, len(self._cell), count)
         self._cell += [self._cells.index(each.cell)] * count
@@ -280,6 +283,7 @@ class Joining(Struct, frozen=False):
             len(self._cell),
             seed,
             cells=tuple(self._cells),
+            weights=np.array(self._weights),
             cell=np.array(self._cell, np.int64),
             sample=np.array(self._sample, np.int64),
             model=model_sha256(loaded.manifest),
@@ -338,7 +342,8 @@ class Shelf(Struct):
         if os.path.exists(folder / WORLDS):
             table = read(read_regular(folder / WORLDS))
         named = {"name": cell.cell or loaded.manifest.name}
-        return Joined(loaded, result.name, {**named, **cell.values()}, sample=cell.sample, table=table, folder=folder)
+        values = {**named, **cell.values()}
+        return Joined(loaded, result.name, values, cell.sample, table=table, folder=folder, weight=cell.weight)
 
     def read(self, each: Joined) -> Bundle:
         """Return the bundle of a model."""

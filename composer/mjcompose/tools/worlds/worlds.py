@@ -68,8 +68,8 @@ class Table(Struct):
     `cells` are the cells of its matrix, each with its `name` and its values. `cell` has the number of each world's
     cell, `(worlds,)`, and `sample` has the number of its sample. For a union, `parts` are the bodies that not all
     worlds have, and `has` says which worlds have them, `(worlds, parts)`. For cells of one tree with different geoms,
-    `present` says which cells have which geoms of the model, `(cells, ngeom)`. `model` is the identity of the model,
-    None in a bundle that contains it.
+    `present` says which cells have which geoms of the model, `(cells, ngeom)`. `weights` are those of the
+    recipe's matrix, one for each cell. `model` is the identity of the model, None in a bundle that contains it.
     """
 
     arrays: Mapping[str, Varying]
@@ -83,6 +83,7 @@ class Table(Struct):
     parts: tuple[str, ...] = ()
     has: NDArray[np.bool_] = field(default_factory=lambda: np.zeros((0, 0), np.bool_))
     present: NDArray[np.bool_] = field(default_factory=lambda: np.zeros((0, 0), np.bool_))
+    weights: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
 
     def about(self) -> dict[str, Any]:
         """Return everything except the arrays, for JSON."""
@@ -96,6 +97,7 @@ class Table(Struct):
             "parts": list(self.parts),
             "has": self.has.astype(int).tolist() if self.parts else [],
             "present": self.present.astype(int).tolist(),
+            "weights": self.weights.tolist(),
         }
 
 
@@ -117,6 +119,7 @@ def of_about(about: Mapping[str, Any], arrays: Mapping[str, Varying], **given: A
         mujoco=about.get("mujoco"),
         parts=parts,
         has=np.array(about.get("has", ()), np.bool_).reshape(count if parts else 0, len(parts)),
+        weights=np.array(about.get("weights", ()), float),
         present=np.array(present, np.bool_).reshape(len(present), len(present[0]) if present else 0),
     )
 
@@ -326,11 +329,14 @@ class Worlds(Struct):
             study = study.assign(4096, weights={"object": {"mug": 3, "can": 0}})
 
         `weights` are by axis and value: 1 for values without one, and 0 keeps a cell out. Weights of several axes
-        multiply. A cell gets the whole part of its share, and the largest remainders get the rest. Samples of a cell
-        follow in turn. Raises LoadError.
+        multiply. Without them, those of the recipe's `matrix` count. A cell gets the whole part of its share, and the
+        largest remainders get the rest. Samples of a cell follow in turn. Raises LoadError.
         """
         pool = self.pool or self
-        cells = shared_out(count, weights_of(pool.table.cells, weights or {}))
+        shares = pool.table.weights
+        if weights is not None or not shares.size:
+            shares = weights_of(pool.table.cells, weights or {})
+        cells = shared_out(count, shares)
         turns = np.zeros(len(pool.table.cells), np.int64)
         places = []
         for cell in cells.tolist():
