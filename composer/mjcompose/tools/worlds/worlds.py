@@ -68,8 +68,8 @@ class Table(Struct):
     `cells` are the cells of its matrix, each with its `name` and its values. `cell` has the number of each world's
     cell, `(worlds,)`, and `sample` has the number of its sample. For a union, `parts` are the bodies that not all
     worlds have, and `has` says which worlds have them, `(worlds, parts)`. For cells of one tree with different geoms,
-    `present` says which cells have which geoms of the model, `(cells, ngeom)`. `weights` are those of the
-    recipe's matrix, one for each cell. `model` is the identity of the model, None in a bundle that contains it.
+    `present` says which cells have which geoms of the model, `(cells, ngeom)`. `weights` has the weight of each
+    cell in the recipe's matrix. `model` is the identity of the model, None in a bundle that contains it.
     """
 
     arrays: Mapping[str, Varying]
@@ -329,7 +329,7 @@ class Worlds(Struct):
             study = study.assign(4096, weights={"object": {"mug": 3, "can": 0}})
 
         `weights` are by axis and value: 1 for values without one, and 0 keeps a cell out. Weights of several axes
-        multiply. Without them, those of the recipe's `matrix` count. A cell gets the whole part of its share, and the
+        multiply. Without them, the recipe's `matrix` has the weights. A cell gets the whole part of its share, and the
         largest remainders get the rest. Samples of a cell follow in turn. Raises LoadError.
         """
         pool = self.pool or self
