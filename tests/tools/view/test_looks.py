@@ -62,14 +62,14 @@ def test_a_ghost_is_the_model_at_a_keyframe(page: Any) -> None:
     page.get_by_role("button", name="show a ghost at down").click()
     assert page.get_by_role("button", name="show a ghost at down").get_attribute("aria-pressed") == "true"
     count, matrix = page.evaluate(
-        "(() => { const [group] = mjcompose.ghosts.root.children, matrix = mjcompose.world.bodyMatrix(0).clone();"
+        "(() => { const [group] = mjcompose.poses.ghosts.root.children, matrix = mjcompose.world.bodyMatrix(0).clone();"
         " group.children[0].getMatrixAt(0, matrix); return [group.children.length, matrix.elements.slice(0, 3)]; })()"
     )
     assert count == 1, "only what moves"
     assert matrix == pytest.approx([0.5 * 0.3624, 0, -0.5 * 0.932], abs=1e-3)
     assert page.evaluate("mjcompose.world.pose.qpos[0]") == before == 0
     page.get_by_role("button", name="show a ghost at down").click()
-    assert page.evaluate("mjcompose.ghosts.root.children.length") == 0
+    assert page.evaluate("mjcompose.poses.ghosts.root.children.length") == 0
 
 
 def test_a_click_into_the_empty_keeps_the_tab(page: Any) -> None:
