@@ -13,18 +13,23 @@ from pathlib import Path
 
 import pytest
 from idle_children import IdleChildren
+from mjcompose.tree.grammar import version_key
 from sampling import without_meshes
 
 REPOSITORY = Path(__file__).resolve().parent.parent
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """What only MuJoCo 4 does, or does so, is tested with MuJoCo 4."""
-    if not version("mujoco").startswith("3."):
-        return
+    """What only MuJoCo 4 does, or does so, is tested with MuJoCo 4; and likewise since an earlier version."""
+    installed = version("mujoco")
     for item in items:
         for mark in item.iter_markers("mujoco4"):
-            item.add_marker(pytest.mark.skip(reason=f"MuJoCo 3: {mark.args[0]}"))
+            if installed.startswith("3."):
+                item.add_marker(pytest.mark.skip(reason=f"MuJoCo 3: {mark.args[0]}"))
+        for mark in item.iter_markers("since"):
+            first, reason = mark.args
+            if version_key(installed) < version_key(first):
+                item.add_marker(pytest.mark.skip(reason=f"MuJoCo older than {first}: {reason}"))
 
 
 @pytest.fixture(scope="session", autouse=True)

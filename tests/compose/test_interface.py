@@ -307,6 +307,7 @@ REPLICATED = """
 """
 
 
+@pytest.mark.mujoco4("it refuses keys beside joints in a replicate")
 def test_copies_of_a_replicate_are_together(made: Build, tmp_path: Path) -> None:
     (tmp_path / "many.xml").write_text(REPLICATED)
     before = mujoco.MjModel.from_xml_string(REPLICATED)

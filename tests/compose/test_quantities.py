@@ -82,6 +82,8 @@ def subjects() -> Iterator[Subject]:
         for attribute in kind.attributes.values():
             if kind.path.startswith("default/") or (path, attribute.name) in _LEFT_OUT:
                 continue
+            if not attribute.exists_in(mujoco.__version__):
+                continue
             if attribute.angle == "joint":
                 yield Subject(path, attribute.name, _OWN[path], *_OF_JOINTS[attribute.name])
             elif attribute.angle is not None:

@@ -167,6 +167,7 @@ def test_the_keyframe_in_which_nothing_overlaps(tmp_path: Path) -> None:
     assert "home" not in hits(", key: home")
 
 
+@pytest.mark.since("3.12", "boxes on a box tremble and never come to rest")
 def test_settled_copies_stay(tmp_path: Path) -> None:
     model, data = model_of(
         tmp_path, scattered("block", "count: 4, over: table/top, upright: false, settle: 2s", ", joint: free")
@@ -194,6 +195,7 @@ def test_two_parts_and_a_nested_recipe(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.since("3.12", "boxes on a box tremble and never come to rest")
 @pytest.mark.parametrize("tunables", ["", "glibc.cpu.hwcaps=-AVX2,-FMA,-AVX512F,-FMA4"])
 def test_the_same_bytes_on_another_processor(tmp_path: Path, tunables: str) -> None:
     """Without fused operations, the C library rounds in another way in our code; MuJoCo's own bits stay the same.

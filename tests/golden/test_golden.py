@@ -49,6 +49,8 @@ def session() -> Iterator[Session]:
 def test_model(case: str, tmp_path: Path, session: Session) -> None:
     if case in WRITTEN_BY_MUJOCO and not hasattr(mujoco.MjSpec, "fuse_static"):
         pytest.skip("the model was written by a newer MuJoCo")
+    if case == "scatter" and mujoco.__version__.startswith("3.11."):
+        pytest.skip("MuJoCo 3.11 lets the stones come to rest elsewhere")
     if case == "xacro":
         pytest.importorskip("xacro")
     context = Context(environment={}, folder=HERE / case)

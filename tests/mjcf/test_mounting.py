@@ -125,7 +125,15 @@ def test_names_that_stand_twice_are_told_where_the_second_one_is() -> None:
     ]
 
 
-@pytest.mark.parametrize("sizes", ['njmax="100" nconmax="5"|memory="2M"', 'memory="2M"|njmax="100" nstack="5000"'])
+@pytest.mark.parametrize(
+    "sizes",
+    [
+        'njmax="100" nconmax="5"|memory="2M"',
+        pytest.param(
+            'memory="2M"|njmax="100" nstack="5000"', marks=pytest.mark.since("3.12", "it refuses both sizes together")
+        ),
+    ],
+)
 def test_memory_wins_over_what_was_in_its_place_once(sizes: str) -> None:
     first, second = sizes.split("|")
     text = f'<mujoco><size {first}/><size {second}/><worldbody><geom size="1"/></worldbody></mujoco>'

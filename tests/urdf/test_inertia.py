@@ -172,7 +172,7 @@ def rotation(quat: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("rpy", ["0 0 1.5707963267948966", "0.3 -0.5 1.1", "-2 0.7 0", "3.14159 0 0.4"])
 def test_an_inertia_is_in_the_axes_of_its_origin(reader: Reader, rpy: str) -> None:
-    """MuJoCo 3.12 and 3.13 ignore `rpy` of an `<inertial>`. The expected axes are those of a site with `euler`."""
+    """MuJoCo 3.11 to 3.13 ignore `rpy` of an `<inertial>`. The expected axes are those of a site with `euler`."""
     frame = f'<mujoco><compiler angle="radian" eulerseq="XYZ"/><worldbody><site euler="{rpy}"/></worldbody></mujoco>'
     axes = rotation(mujoco.MjModel.from_xml_string(frame).site_quat[0])
     written = np.array([[0.02, 0.004, -0.003], [0.004, 0.05, 0.002], [-0.003, 0.002, 0.06]])

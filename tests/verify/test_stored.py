@@ -355,6 +355,7 @@ def test_the_folder_is_searched_once_for_all_parts_that_are_not_found(
     assert searched.count(str(elsewhere / "parts")) == 1
 
 
+@pytest.mark.mujoco4("it refuses keys beside joints in a replicate")
 def test_an_element_that_mujoco_multiplies_is_told(folder: Path, check: Check) -> None:
     """A sensor without an object becomes several next to a `<replicate>`, which the bundle was not built with."""
     model = folder / "out" / "model.xml"

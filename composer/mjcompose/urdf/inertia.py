@@ -133,7 +133,7 @@ def repair(robot: Robot, sink: Sink) -> list[str]:
 
 
 def reads_turned(mujoco: Any, _: None) -> bool:
-    """Return whether MuJoCo reads `rpy` of an `<inertial>`. Runs in the child: MuJoCo 3.12 and 3.13 ignore it."""
+    """Return whether MuJoCo reads `rpy` of an `<inertial>`. Runs in the child: MuJoCo 3.11 to 3.13 ignore it."""
     model = mujoco.MjSpec.from_string(_TURNED).compile()
     matrix = numpy.zeros(9)
     mujoco.mju_quat2Mat(matrix, model.body("turned").iquat)

@@ -72,7 +72,7 @@ GENERATED = """
   <body name="after"><joint/><geom size="2"/></body>
   <flexcomp name="cloth" type="grid" count="3 3 1" spacing="0.1 0.1 0.1" radius="0.01"/>
   <body><geom size="3"/><camera/></body>
-</worldbody><keyframe><key name="k"/></keyframe></mujoco>
+</worldbody></mujoco>
 """
 
 
@@ -90,11 +90,17 @@ def test_beside_what_mujoco_generates(tmp_path: Path) -> None:
         float(physics.bind(geom).size[0]) for geom in model.find_all("geom") if geom.parent.parent.tag != "replicate"
     ]
     assert sizes == [1, 1, 2, 3]
-    assert physics.bind(model.find("key")).element_id == physics.model.key("k").id  # 3.12 copies keys, too
     assert physics.bind(model.find("flex", "cloth")).vertnum == 9
     inside = model.find("replicate") or model.find_all("replicate")[0]
     with pytest.raises(MjcfError, match=r"`<body>` is in a `<replicate>`: MuJoCo has made several copies of it"):
         physics.bind(inside.find("body"))
+
+
+@pytest.mark.mujoco4("it copies keys next to a replicate")
+def test_a_key_next_to_a_replicate() -> None:
+    model = mjcf.from_xml_string(GENERATED.replace("</mujoco>", '<keyframe><key name="k"/></keyframe></mujoco>'))
+    physics = model.compile_model()
+    assert physics.bind(model.find("key")).element_id == physics.model.key("k").id
 
 
 def test_what_refers_to_something_in_a_replicate_is_made_several_of() -> None:
