@@ -6,6 +6,7 @@ import re
 import shutil
 import subprocess
 import sys
+from functools import partial
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -91,3 +92,51 @@ def test_an_entity_of_a_recipe(tmp_path: Path) -> None:
     shutil.copytree(ROOT / "recipes", tmp_path / "recipes")
     done = subprocess.run([sys.executable, "mjlab_cell.py"], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.stdout.split() == ["13"], done.stderr
+
+
+@pytest.fixture
+def go1(tmp_path: Path) -> Path:
+    """A recipe next to mjlab's own model of the robot."""
+    from mjlab.asset_zoo.robots.unitree_go1.go1_constants import GO1_XML
+
+    shutil.copytree(GO1_XML.parent, tmp_path, dirs_exist_ok=True)
+    return Path(shutil.copy(Path(__file__).with_name("go1.yaml"), tmp_path))
+
+
+def test_actuators_and_collisions_by_pattern(go1: Path) -> None:
+    """A recipe with `ctrl: hold` is an entity that moves as mjlab's own."""
+    from mjlab.asset_zoo.robots.unitree_go1.go1_constants import get_go1_robot_cfg
+    from mjlab.entity import Entity, EntityArticulationInfoCfg, EntityCfg
+
+    theirs = Entity(get_go1_robot_cfg()).spec.compile()
+    ours = Entity(
+        EntityCfg(spec_fn=partial(mjcompose.spec, go1), articulation=EntityArticulationInfoCfg())
+    ).spec.compile()
+    for kind in ("actuator", "geom", "jnt", "dof", "body"):
+        for name in (each for each in dir(theirs) if each.startswith(f"{kind}_")):
+            if name not in ("actuator_ctrlrange", "geom_rgba"):  # mjlab's ranges inform, and limit nothing
+                found, expected = getattr(ours, name), getattr(theirs, name)
+                np.testing.assert_allclose(found, expected, rtol=1e-7, atol=1e-12, err_msg=name)
+    home = ours.key("home")
+    assert home.ctrl.tolist() == [0.1, 0.9, -0.1, 0.9] * 2 + [-1.8] * 4
+    poses = [fallen(model, home) for model in (ours, theirs)]
+    assert np.allclose(*poses, atol=1e-9)
+
+
+def fallen(model: mujoco.MjModel, home: Any) -> Any:
+    """The pose after 0.2 s in the air."""
+    data = mujoco.MjData(model)
+    data.qpos[:] = home.qpos
+    data.ctrl[:] = home.ctrl
+    mujoco.mj_step(model, data, 100)
+    return data.qpos
+
+
+def test_the_command_line_builds_with_mjlabs_mujoco(go1: Path) -> None:
+    for words in (["check", "go1.yaml"], ["build", "go1.yaml", "-o", "out/"]):
+        done = subprocess.run(
+            [sys.executable, "-m", "mjcompose", *words], cwd=go1.parent, capture_output=True, text=True, check=False
+        )
+        assert done.returncode == 0, done.stderr
+    built = mujoco.MjModel.from_xml_path(str(go1.parent / "out" / "model.xml"))
+    assert (built.nu, built.nkey) == (12, 1)
