@@ -115,8 +115,8 @@ def test_actuators_and_collisions_by_pattern(go1: Path) -> None:
     for kind in ("actuator", "geom", "jnt", "dof", "body"):
         for name in (each for each in dir(theirs) if each.startswith(f"{kind}_")):
             if name not in ("actuator_ctrlrange", "geom_rgba"):  # mjlab's ranges inform, and limit nothing
-                found, expected = getattr(ours, name), getattr(theirs, name)
-                np.testing.assert_allclose(found, expected, rtol=1e-7, atol=1e-12, err_msg=name)
+                expected = getattr(theirs, name)
+                np.testing.assert_allclose(getattr(ours, name), expected, rtol=1e-7, atol=1e-12, err_msg=name)
     home = ours.key("home")
     assert home.ctrl.tolist() == [0.1, 0.9, -0.1, 0.9] * 2 + [-1.8] * 4
     poses = [fallen(model, home) for model in (ours, theirs)]
