@@ -116,7 +116,7 @@ def test_every_file_that_was_read_is_listed(folder: Path, session: engine.Sessio
 def test_elements_are_told_where_they_are_written(folder: Path, session: engine.Session) -> None:
     index = manifest(folder, session).index
     assert index is not None
-    assert (index.joints[0].name, index.joints[0].origin) == ("left/elbow", "models/arm.xml:5")
+    assert (index.joints[0].name, index.joints[0].origin) == ("left/elbow", "models/arm.xml:6")
     assert [(each.type, each.origin) for each in index.actuators] == [("motor", "models/motors.xml:3")] * 2
     assert [(each.name, each.origin) for each in index.sensors] == [("angle", "cell.yaml:11")]
 

@@ -260,7 +260,7 @@ class Editing:
                 return self.span(places[attribute])
             return self.making.origins.span_by(before, node, attribute)
 
-        self.making.origins.own(node, place)
+        self.making.origins.update(node, place)
         settings = self.making.origins.settings.get(node, {})
         for name in places:
             settings.pop(name, None)

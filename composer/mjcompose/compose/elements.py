@@ -202,7 +202,7 @@ def update_node(node: Node, element: RecipeElement, kind: ElementType, making: E
             return making.span(element, attribute)
         return making.origins.span_by(before, node, attribute)
 
-    making.origins.own(node, place)
+    making.origins.update(node, place)
     _set_attributes(node, element, kind, making=making)
     for child in element.children:
         child_kind = kind.children[child.tag]

@@ -176,16 +176,18 @@ class Origins(Struct, frozen=False):
     """The file of every subtree whose file is not its parent's, and the recipe place of elements that a recipe wrote.
 
     Line numbers need no storage: lxml keeps the line of each element, and they survive moves and copies. `owners`
-    holds the elements themselves, so their identity is stable. `texts` has the files that the model was read from,
-    by name in messages, also those without text, such as meshes. `settings` has the attributes that a program or
-    the linker has set, each with its place or a function that returns it. `renamed` has each old and new name of an
-    edit. `keys` has the layout of keys that differ from their file. `unread` has faults that MuJoCo ignores in the
-    files themselves, by file, line and attribute (None: the element). `delays` has the actuators whose `nsample`
-    follows from their `delay` and the time step, with the text of `nsample` at that time. `values` has
-    the values of recipes, which may have no effect. `size` is the bytes of all files.
+    holds the elements themselves, so their identity is stable. `updates` has the places of elements that a recipe has
+    changed: unlike an owner, an update says nothing about the elements below. `texts` has the files that the model was
+    read from, by name in messages, also those without text, such as meshes. `settings` has the attributes that a
+    program or the linker has set, each with its place or a function that returns it. `renamed` has each old and new
+    name of an edit. `keys` has the layout of keys that differ from their file. `unread` has faults that MuJoCo ignores
+    in the files themselves, by file, line and attribute (None: the element). `delays` has the actuators whose
+    `nsample` follows from their `delay` and the time step, with the text of `nsample` at that time. `values` has the
+    values of recipes, which may have no effect. `size` is the bytes of all files.
     """
 
     owners: dict[Node, str | Span | Place] = field(default_factory=dict)
+    updates: dict[Node, Place] = field(default_factory=dict)
     texts: dict[str, FileText] = field(default_factory=dict)
     settings: dict[Node, dict[str, Span | Callable[[], Span]]] = field(default_factory=dict)
     renamed: dict[Node, list[tuple[str, str]]] = field(default_factory=dict)
@@ -198,6 +200,10 @@ class Origins(Struct, frozen=False):
     def own(self, element: Node, owner: str | Span | Place) -> None:
         self.owners[element] = owner
 
+    def update(self, element: Node, place: Place) -> None:
+        """Set the places of the attributes of an element that a recipe changes."""
+        self.updates[element] = place
+
     def own_all(self, elements: Iterable[Node], owner: str | Span | Place) -> None:
         """Set the owner of all elements that do not have one yet."""
         for element in elements:
@@ -205,6 +211,9 @@ class Origins(Struct, frozen=False):
 
     def owner(self, element: Node, default_file: str) -> str | Span | Place:
         """Return the place in a recipe that wrote the element, or the file that contains it."""
+        update = self.updates.get(element)
+        if update is not None:
+            return update
         while (owner := self.owners.get(element)) is None and (above := element.getparent()) is not None:
             element = above
         return default_file if owner is None else owner
@@ -273,7 +282,7 @@ class Origins(Struct, frozen=False):
 
     def adopt(self, other: Origins) -> None:
         """Add the data of elements that have moved here from another tree."""
-        for name in ("owners", "texts", "settings", "renamed", "keys", "unread", "delays", "values"):
+        for name in ("owners", "updates", "texts", "settings", "renamed", "keys", "unread", "delays", "values"):
             getattr(self, name).update(getattr(other, name))
 
     def carried(self, old: Node, new: Node) -> Origins:
@@ -283,7 +292,7 @@ class Origins(Struct, frozen=False):
     def carried_to(self, pairs: Iterable[tuple[Node, Node]]) -> Origins:
         """Return the same data for copies; `pairs` has each node with its copy."""
         carried = Origins(texts=dict(self.texts), unread=set(self.unread), size=self.size)
-        names = ("owners", "settings", "renamed", "keys", "delays", "values")
+        names = ("owners", "updates", "settings", "renamed", "keys", "delays", "values")
         tables = [(getattr(self, name), getattr(carried, name)) for name in names]
         if any(known for known, _ in tables):
             for node, twin in pairs:
