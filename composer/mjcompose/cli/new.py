@@ -163,7 +163,8 @@ class ImportOptions(Group):
     help="""Propose a recipe that builds the model MERGED from the models PARTS, build it, and report the differences.
 
     Without PARTS, they are searched for in the folders of --among, in the Menagerie models on this machine, and in
-    installed packages. If none are found, the recipe starts from MERGED itself.
+    installed packages. If none are found, the recipe starts from MERGED itself, and corrects it if it is not valid
+    alone.
 
     `import calibration FILE MODEL` writes a file of measurements from the calibration of a Universal Robots arm, for
     `measured: FILE` in the recipe of MODEL.
@@ -194,6 +195,8 @@ def import_(options: ImportOptions, run: Run) -> Answer | int:
             raise click.UsageError("a URDF has no parts: remove PARTS and --among")
         return _urdf(merged, target, run)
     references: dict[Path, str] = {}
+    if not parts and not options.folders and (corrected := _corrected(merged, target, run)) is not None:
+        return corrected
     if not parts:
         result = _search(options, run)
         if not result.parts:
@@ -330,6 +333,24 @@ def _whole(merged: Path, target: Path, among: str, run: Run) -> Answer:
     answer = {"output": str(target), "parts": 0, "comments": 0, "changed": [], "differences": []}
     aside = words if run.form == "json" else None
     return Answer(words, answer, code=0, is_outcome=True, reports=False, aside=aside)
+
+
+def _corrected(file: Path, target: Path, run: Run) -> Answer | None:
+    """Write the recipe that corrects a file which is not valid alone; None if the file needs no correction."""
+    from mjcompose.tools.importing.recover import corrected_recipe, corrections_of
+
+    corrections = corrections_of(file, run.context)
+    if not corrections:
+        return None
+    if not rewrite(target, corrected_recipe(file, target, corrections).encode(), run.context):
+        raise Stop(FINDINGS)
+    words = [
+        f"wrote {target}: it starts from {run.context.shown(file)}, which is not valid alone, and corrects it",
+        *(f"  {each.text}" for each in corrections),
+    ]
+    answer = {"output": str(target), "parts": 0, "comments": 0, "changed": [], "differences": []}
+    answer["corrections"] = [each.text for each in corrections]
+    return Answer(as_lines(words), answer, code=0, is_outcome=True)
 
 
 def _say_several(heading: str, lines: list[str]) -> None:

@@ -59,7 +59,7 @@ from mjcompose.link.measure import measure_with
 from mjcompose.link.replicates import spare_added
 from mjcompose.link.source_check import check_source, repair
 from mjcompose.link.submodels import add_named_file, attached_size
-from mjcompose.link.subtree import Subtree
+from mjcompose.link.subtree import DroppedElement, Subtree
 from mjcompose.link.unit_keys import KeyNotes, remove_keys
 from mjcompose.mujoco.engine import Session
 from mjcompose.plan.plan import (
@@ -244,7 +244,9 @@ class Composer:
         """Record the sources that the plan needs, and how often it needs them."""
         for place in plan.walk(is_fixed):
             if isinstance(place.model, Source):
-                self.loader.expect(place.model, place.is_fixed_in_world)
+                request = place.request
+                is_edited = request is not None and bool(request.edit or request.drop)
+                self.loader.expect(place.model, place.is_fixed_in_world, is_edited=is_edited)
         inner = {
             os.path.realpath(each.path): each for outer in plan.plans() for step in outer.members for each in step.inner
         }
@@ -520,14 +522,23 @@ class Composer:
                 return None
             self.watch([unit], subtree)
             self.subtrees[plan.place_of(source.at)] = subtree
+        return self._edited(plan, source, unit)
+
+    def _edited(self, plan: Plan, source: PartSource, unit: Unit) -> Unit | None:
+        """Carry out the drops and edits of a part, and return it, or None if it has faults."""
+        dropped: tuple[DroppedElement, ...] | None = ()
         if source.drops_elements or source.edit:
             from mjcompose.compose.edits import PartEdits  # few recipes need it
 
-            if (dropped := PartEdits(plan, source, unit, composer=self).carry_out()) is None:
-                return None
-            if source.drops_elements:
-                known = self.subtrees.get(plan.place_of(source.at), Subtree.of(None, ()))
-                self.subtrees[plan.place_of(source.at)] = known.with_dropped(dropped)
+            dropped = PartEdits(plan, source, unit, composer=self).carry_out()
+        is_sound = not isinstance(source.model, Source) or self.loader.is_sound(
+            unit, source.model, source.is_fixed_in_world
+        )
+        if dropped is None or not is_sound:
+            return None
+        if source.drops_elements:
+            known = self.subtrees.get(plan.place_of(source.at), Subtree.of(None, ()))
+            self.subtrees[plan.place_of(source.at)] = known.with_dropped(dropped)
         return unit
 
 

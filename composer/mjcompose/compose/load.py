@@ -76,6 +76,8 @@ class Loader(Struct, frozen=False):
 
     `expect` counts the uses of each, so the last use needs no copy. The `library` has known units and receives new
     ones. With `checks`, every file must be valid MJCF. `embed` puts models of recipes into units that attach them.
+    A part that is `edited` may have attributes that MJCF does not have, which its edits remove. The files that have
+    some are `unchecked`: check them after the edits.
     """
 
     context: Context
@@ -87,9 +89,14 @@ class Loader(Struct, frozen=False):
     parsed: dict[Key, Unit | None] = field(default_factory=dict)
     uses: Counter[Key] = field(default_factory=Counter)
     excerpted: dict[Key, ExcerptSource | None] = field(default_factory=dict)
+    edited: set[Key] = field(default_factory=set)
+    unchecked: set[Key] = field(default_factory=set)
 
-    def expect(self, model: Source, is_fixed: bool) -> None:
-        self.uses[source_key(model, is_fixed)] += 1
+    def expect(self, model: Source, is_fixed: bool, *, is_edited: bool = False) -> None:
+        key = source_key(model, is_fixed)
+        self.uses[key] += 1
+        if is_edited:
+            self.edited.add(key)
 
     def unit(self, model: Source, span: Span | None, is_fixed: bool) -> Unit | None:
         """Return the unit of a source, or None if it has faults. With `is_fixed`, it is fixed in the world."""
@@ -133,14 +140,14 @@ class Loader(Struct, frozen=False):
 
     def _known_or_read(self, key: Key, model: Source, span: Span | None, is_fixed: bool) -> Unit | None:
         if self.library is None or self.embed is not None:
-            return self._read(model, span, is_fixed)
+            return self._read(key, model, span, is_fixed)
         if (known := self.library.get(key)) is not None:
             return known.copied()
-        if (unit := self._read(model, span, is_fixed)) is not None:
+        if (unit := self._read(key, model, span, is_fixed)) is not None and key not in self.unchecked:
             self.library[key] = unit.copied()
         return unit
 
-    def _read(self, model: Source, span: Span | None, is_fixed: bool) -> Unit | None:
+    def _read(self, key: Key, model: Source, span: Span | None, is_fixed: bool) -> Unit | None:
         if model.format == "urdf":
             return _urdf_unit(model, self.context, self.session, span=span, is_fixed=is_fixed)
         sink = self.context.sink
@@ -148,7 +155,17 @@ class Loader(Struct, frozen=False):
         unit = read_source(model, sink, file=shown(model.path), span=span)
         if unit is None or (self.embed is not None and not self.embed(unit)) or not all_admitted(unit, sink, shown):
             return None
-        return None if self.checks and not check_source(unit, sink) else unit
+        later: list[tuple[Node, str]] | None = [] if key in self.edited else None
+        if self.checks and not check_source(unit, sink, is_part=True, later=later):
+            return None
+        if later:
+            self.unchecked.add(key)
+        return unit
+
+    def is_sound(self, unit: Unit, model: Source, is_fixed: bool) -> bool:
+        """Return whether an edited unit has no attributes that MJCF does not have. Those that remain are reported."""
+        is_unchecked = source_key(model, is_fixed) in self.unchecked
+        return not is_unchecked or check_source(unit, self.context.sink, is_part=True)
 
 
 def _urdf_unit(

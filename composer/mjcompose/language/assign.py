@@ -73,7 +73,7 @@ class Checker(Struct, frozen=False):
             return
         fitting = [(kind.tag, kind.attributes[attribute]) for kind in kinds if attribute in kind.attributes]
         if kinds and not fitting:
-            self.faults.append(self.unknown(attribute, tag, kinds, at=at))
+            self.faults.append(unknown_target(attribute, tag, kinds, at=at))
         else:
             self.value(verb, fitting, index, value=item, tag=tag, at=at)
 
@@ -88,21 +88,11 @@ class Checker(Struct, frozen=False):
             message = f"one number of `{attribute_and_index(name)[0]}` cannot be removed"
             help = "write the numbers that stay"
             self.faults.append(Fault("wrong-type", message, at, help=help))
-        elif kinds and not fitting:
-            self.faults.append(self.unknown(name, tag, kinds, at=at))
+        elif kinds and not fitting and any(name in kind.children for kind in kinds):
+            self.faults.append(unknown_target(name, tag, kinds, at=at))
         elif fitting and all(attribute.required for attribute in fitting):
             message = f"`{name}` of `{tag}` is required"
             self.faults.append(Fault("missing-key", message, at, help="write another value"))
-
-    def unknown(self, name: str, tag: str, kinds: tuple[ElementType, ...], at: Path) -> Fault:
-        """Return the fault of a name that is not an attribute of the selected elements."""
-        if all(kind.path == "default" or kind.tag == "default" for kind in kinds):
-            known = [child for child in kinds[0].children if child != "default"]
-            near = closest(name, known)
-            help = f"write the tag first: `{{{near[0] if near and name in known else 'geom'}: {{…}}}}`"
-            message = f"`{name}` is not a tag that a class can have settings for"
-            return Fault("unknown-element", message, at, key=True, help=help)
-        return unknown_attribute(name, tag, kinds, at=at)
 
     def value(self, verb: str, fitting: Fitting, index: int | None, value: Any, tag: str, at: Path) -> None:
         """Check one value for the attributes that it may set, with the tags of their elements."""
@@ -174,6 +164,17 @@ class Checker(Struct, frozen=False):
         if isinstance(value, str) and is_template(value):
             return check_template(value, at, self.faults) is not None
         return True
+
+
+def unknown_target(name: str, tag: str, kinds: Sequence[ElementType], at: Path) -> Fault:
+    """Return the fault of a name that is not an attribute of the selected elements."""
+    if all(kind.path == "default" or kind.tag == "default" for kind in kinds):
+        known = [child for child in kinds[0].children if child != "default"]
+        near = closest(name, known)
+        help = f"write the tag first: `{{{near[0] if near and name in known else 'geom'}: {{…}}}}`"
+        message = f"`{name}` is not a tag that a class can have settings for"
+        return Fault("unknown-element", message, at, key=True, help=help)
+    return unknown_attribute(name, tag, tuple(kinds), at=at)
 
 
 def _most_numbers(attributes: Sequence[Attribute]) -> int | None:
@@ -264,6 +265,10 @@ TAGS = (
 )
 
 
+_REMOVED: Schema = {"type": "null"}
+"""The value of an attribute that MJCF does not have: an edit may remove it from a file that has it."""
+
+
 @definition("of")
 def _definition_of_classes(kind: str) -> Schema:
     rows = {
@@ -271,7 +276,7 @@ def _definition_of_classes(kind: str) -> Schema:
         for tag in GRAMMAR.section(_CLASSES).children
         if tag != _CLASSES
     }
-    return {"properties": rows, "additionalProperties": False}
+    return {"properties": rows, "additionalProperties": _REMOVED if kind == "settable" else False}
 
 
 @definition("settable")
@@ -284,7 +289,7 @@ def settable(tag: str) -> Schema:
         found[name] = schemas[0] if same else {"description": schemas[0].get("description", "")}
         if not all(each.required for _, each in attributes):
             found[name] = _or_null(found[name])
-    return _numbered(tag, found, reference("number"))
+    return {**_numbered(tag, found, reference("number")), "additionalProperties": _REMOVED}
 
 
 def _or_null(schema: Schema) -> Schema:

@@ -6,12 +6,14 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from types import MappingProxyType
+from typing import NamedTuple
 
 from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Note
-from mjcompose.base.suggest import unknown_name
+from mjcompose.base.suggest import closest, unknown_name
+from mjcompose.link.corrections import added_again, keep_first, without_reference
 from mjcompose.link.linking import Linking, Part
 from mjcompose.tree import journal
 from mjcompose.tree.classes import MAIN
@@ -30,6 +32,7 @@ from mjcompose.tree.names import (
     users,
     word,
 )
+from mjcompose.tree.select import section_of
 from mjcompose.tree.unit import Unit, line_of
 
 
@@ -46,14 +49,31 @@ class _Clash(Struct):
         return "class-clash" if self.namespace == "default" else "name-clash"
 
 
+class _Dangling(NamedTuple):
+    """A reference of an element to a name that its unit does not have; `own` are the names that it has."""
+
+    namespace: str
+    name: str
+    element: Node
+    own: Sequence[str]
+
+
+def referring_attribute(element: Node, name: str) -> str | None:
+    """Return the attribute of an element that refers to a name, alone or in a list."""
+    return next((str(key) for key, value in element.items() if name in (value, *str(value).split())), None)
+
+
 _MAY_REPEAT = ("model",)
 _NOTHING: Mapping[str, str] = MappingProxyType({})
 
 
 def names(linking: Linking) -> None:
     """Rename part by part; afterwards `linking.names` knows every name of the model."""
-    for part in (None, *linking.parts):
-        _UnitRenaming(linking, part).run()
+    renamings = [_UnitRenaming(linking, part) for part in (None, *linking.parts)]
+    for renaming in renamings:
+        renaming.run()
+    for renaming in renamings:  # now all parts have the names that another one may refer to
+        renaming.report_dangling()
 
 
 class _UnitRenaming:
@@ -62,6 +82,7 @@ class _UnitRenaming:
         self.part = part
         self.unit = linking.base if part is None else part.unit
         self.prefix = "" if part is None else part.prefix
+        self.dangling: list[_Dangling] = []
 
     def run(self) -> None:
         part = self.part
@@ -77,7 +98,7 @@ class _UnitRenaming:
         for namespace, name, element in found.dangling():
             if not may_be_generated(name, unit.root):
                 own = [each.removeprefix(self.prefix) for each in found.declared[namespace]]
-                self._report_dangling(namespace, name, element=element, own=own)
+                self.dangling.append(_Dangling(namespace, name, element, own))
         clashes = list(self._declare(found))
         if part is not None and clashes:
             self._report_clashes(part, clashes)
@@ -104,7 +125,7 @@ class _UnitRenaming:
             name = str(element.get("objname") or "")
             # A tuple of a key that is not in the model is an error: "unrecognized object 'k' in tuple 0" in MuJoCo 4.0.
             if name not in own and not may_be_generated(name, unit.root):
-                self._report_dangling("key", name, element=element, own=own)
+                self.dangling.append(_Dangling("key", name, element, own))
             elif name not in own or policy == "prefix":  # the former is of a model that MuJoCo attaches
                 journal.write(element, "objname", self.prefix + name)
             elif policy == "none" and request.requested_keys is None:  # else the recipe may write it
@@ -113,14 +134,40 @@ class _UnitRenaming:
                 span = self.linking.span(unit, element, "objname")
                 self.linking.sink.error("unknown-name", message, span, help=help, subjects=(name,))
 
-    def _report_dangling(self, namespace: str, name: str, *, element: Node, own: Sequence[str]) -> None:
-        attribute = next((str(key) for key, value in element.items() if name in (value, *str(value).split())), None)
-        span = self.linking.span(self.unit, element, attribute)
-        purpose = f", which `<{element.tag}>` refers to,"
-        shown = name if namespace == "key" else name.removeprefix(self.prefix)
-        written = f'{attribute}="{{}}"' if attribute else "{}"
-        found = unknown_name(word(namespace), shown, own, span=span, purpose=purpose, written=written)
-        self.linking.sink.add(found)
+    def report_dangling(self) -> None:
+        """Report the names that the unit refers to and does not have."""
+        for each in self.dangling:
+            attribute = referring_attribute(each.element, each.name)
+            shown = each.name if each.namespace == "key" else each.name.removeprefix(self.prefix)
+            help = None
+            if attribute is not None:
+                help = self._help_outside(each, attribute, shown)
+            found = unknown_name(
+                word(each.namespace),
+                shown,
+                each.own,
+                span=self.linking.span(self.unit, each.element, attribute),
+                purpose=f", which `<{each.element.tag}>` refers to,",
+                written=f'{attribute}="{{}}"' if attribute else "{}",
+                help=help,
+            )
+            self.linking.sink.add(found)
+
+    def _help_outside(self, dangling: _Dangling, attribute: str, shown: str) -> str | None:
+        """Return how the recipe writes a reference to an element that another part has, or that none has."""
+        removal = without_reference(dangling.element, attribute, dangling.namespace, self.prefix)
+        if removal is None:
+            return None
+        in_part = f"write in its part of the recipe `{removal.text}`"
+        known = self.linking.names.declared.get(dangling.namespace, {})
+        final = [shown, *(part.prefix + shown for part in self.linking.parts if part is not self.part)]
+        target = next((name for name in final if name in known), None)
+        if target is None:
+            return None if closest(shown, dangling.own) else in_part
+        line = added_again(dangling.element, attribute, dangling.namespace, target, self.unit)
+        section = section_of(dangling.element)
+        again = f"the section `{'edit' if section == 'worldbody' else section}`" if line is None else f"`{line}`"
+        return f"it is `{target}`, outside of the part: {in_part}\nand in the recipe itself {again}"
 
     def _report_repeated(self, clash: _Clash) -> None:
         name = clash.name.removeprefix(self.prefix)
@@ -128,7 +175,9 @@ class _UnitRenaming:
         notes = (Note("the first one is here", self.linking.span(self.unit, clash.earlier)),)
         message = f"`{self.unit.file}` declares the {word(clash.namespace)} `{name}` twice"
         span = self.linking.span(self.unit, clash.element, attribute)
-        self.linking.sink.error(clash.code, message, span, notes=notes, subjects=(name,))
+        first = keep_first(clash.element, name)
+        help = None if first is None else f"to keep the first one, write in its part of the recipe `{first.text}`"
+        self.linking.sink.error(clash.code, message, span, notes=notes, help=help, subjects=(name,))
 
     def _report_clashes(self, part: Part, clashes: Sequence[_Clash]) -> None:
         linking = self.linking

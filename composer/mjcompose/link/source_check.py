@@ -24,8 +24,9 @@ from lxml.etree import _Element as Node
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Note
 from mjcompose.base.sink import Sink
+from mjcompose.link.corrections import without_attribute
 from mjcompose.link.settings import ROOM
-from mjcompose.mujoco.messages import unknown_attribute, unknown_element, version_of
+from mjcompose.mujoco.messages import instead_of_old, of_other_version, unknown_attribute, unknown_element, version_of
 from mjcompose.tree import journal
 from mjcompose.tree.classes import MAIN
 from mjcompose.tree.grammar import GRAMMAR, Attribute, ElementType, version_key
@@ -56,14 +57,16 @@ class _Fault(Struct):
     first: Node | None = None
     repaired: Mapping[str, str | None] | None = None
 
-    def report(self, unit: Unit, sink: Sink, version: str | None) -> None:
+    def report(self, unit: Unit, sink: Sink, version: str | None, *, is_part: bool) -> None:
         span = unit.origins.span(self.node, unit.file, self.name, key=self.key)
         if not self.code:
             if self.name is None:
-                found = unknown_element(self.node, unit.file, version)
+                found = unknown_element(self.node, unit.file, version).diagnostic
             else:
-                found = unknown_attribute(self.node, self.name, unit.file, version=version)
-            sink.add(replace(found.diagnostic, span=span))
+                found = unknown_attribute(self.node, self.name, unit.file, version=version).diagnostic
+                if is_part:
+                    found = replace(found, help=_help_in_part(found.help, self.node, self.name))
+            sink.add(replace(found, span=span))
             return
         notes: tuple[Note, ...] = ()
         if self.first is not None:
@@ -80,20 +83,47 @@ class _Fault(Struct):
                 journal.write(self.node, name, value)
 
     @property
+    def is_unknown_attribute(self) -> bool:
+        return not self.code and self.name is not None
+
+    @property
     def unknown(self) -> tuple[Node, str | None]:
         return self.node, None if self.code else self.name
 
 
-def check_source(unit: Unit, sink: Sink) -> bool:
-    """Report everything in a file that is not MJCF, before it is linked, and return whether the file is valid."""
-    faults = list(_faults(unit.root))
-    if faults:
-        passed_over = set(unread(unit.root))
-        faults = [fault for fault in faults if fault.unknown not in passed_over]
+def _help_in_part(help: str | None, node: Node, name: str) -> str | None:
+    """Return the help for an attribute that MJCF does not have, with the entry of a part that removes it.
+
+    Without the entry if another MuJoCo reads the attribute: the file would lose a meaning.
+    """
+    written = str(node.get(name))
+    is_of_other = (
+        of_other_version(node, name, None) is not None or instead_of_old(str(node.tag), name, written) is not None
+    )
+    correction = None if is_of_other else without_attribute(node, name)
+    return help if correction is None else f"{help}\nor write in its part of the recipe `{correction.text}`"
+
+
+def check_source(unit: Unit, sink: Sink, *, is_part: bool = False, later: list[tuple[Node, str]] | None = None) -> bool:
+    """Report everything in a file that is not MJCF, before it is linked, and return whether the file is valid.
+
+    `is_part` says that a recipe uses it. With `later`, attributes that MJCF does not have are no faults, because edits
+    may remove them: `later` receives them, each with its element.
+    """
+    faults = _reported_faults(unit)
+    if later is not None:
+        later += [(fault.node, fault.name) for fault in faults if fault.is_unknown_attribute and fault.name]
+        faults = [fault for fault in faults if not fault.is_unknown_attribute]
     version = version_of(fault.unknown for fault in faults if not fault.code)
     for fault in faults:
-        fault.report(unit, sink, version)
+        fault.report(unit, sink, version, is_part=is_part)
     return not faults
+
+
+def _reported_faults(unit: Unit) -> list[_Fault]:
+    faults = list(_faults(unit.root))
+    passed_over = set(unread(unit.root)) if faults else set()
+    return [fault for fault in faults if fault.unknown not in passed_over]
 
 
 def repair(unit: Unit) -> None:

@@ -166,11 +166,12 @@ class NameIndex(Names, frozen=False):
 
     `declared` maps names to elements, `uses` maps names to their references; `world` and `main` are in neither,
     because nothing may take these names. A node's names are forgotten before it changes and noted again afterwards.
-    `leads_out` is set once a reference begins with `UP`.
+    `leads_out` is set once a reference begins with `UP`. `repeated` has the names that several elements declare.
     """
 
     uses: dict[str, dict[str, dict[Use, None]]] = field(default_factory=dict)
     leads_out: bool = False
+    repeated: set[tuple[str, str]] = field(default_factory=set)
     _orders: dict[str, tuple[dict[str, Node], NameOrder]] = field(default_factory=dict)
 
     @classmethod
@@ -195,8 +196,8 @@ class NameIndex(Names, frozen=False):
             value = values.get(attribute)
             if kind == DECLARES:
                 own = value or (own_name(node, attribute) if node.tag in NAMED_AFTER_FILE else None)
-                if own:
-                    self.declared.setdefault(namespace, {}).setdefault(own, node)
+                if own and self.declared.setdefault(namespace, {}).setdefault(own, node) is not node:
+                    self.repeated.add((namespace, own))
             elif value:
                 target = namespace if kind != REFERS_BY else object_namespace(node, namespace)
                 names = value.split() if kind == LISTS else (value,)
@@ -209,10 +210,12 @@ class NameIndex(Names, frozen=False):
         if declares:
             for attribute, namespace in declaring(section).get(node.tag, ()):
                 own = own_name(node, attribute)
-                if own is not None:
-                    self.declared.setdefault(namespace, {}).setdefault(own, node)
-                    if namespace in self._orders:
-                        self._orders[namespace][1].add(own)
+                if own is None:
+                    continue
+                if self.declared.setdefault(namespace, {}).setdefault(own, node) is not node:
+                    self.repeated.add((namespace, own))
+                if namespace in self._orders:
+                    self._orders[namespace][1].add(own)
         for attribute, namespace, name, _ in own_references(node, section):
             if name not in _ALWAYS_NAMES or (namespace, name) not in ALWAYS:
                 self.uses.setdefault(namespace, {}).setdefault(name, {})[node, attribute] = None

@@ -256,10 +256,12 @@ class Selection:
     _fits: dict[str, Callable[[str], bool]] = field(default_factory=dict)
     _known: dict[int, dict[Node, bool]] = field(default_factory=dict)
     _numbers: dict[tuple[Node, str], dict[Node, int]] = field(default_factory=dict)
+    _repeated: dict[str, dict[Node, int]] = field(default_factory=dict)
 
     def of(self, selector: Selector) -> list[Node]:
         """Return every matching element, in the order of the tree. Raises `BadPattern`."""
         self._numbers.clear()  # the model may have changed
+        self._repeated.clear()
         try:
             return [node for node in self._candidates(selector) if self._narrowed(node, selector)]
         finally:
@@ -362,6 +364,8 @@ class Selection:
             return []  # libxml2 refuses such text, and no element has such a name
         namespaces = _unique_in(paths)
         if self.index is not None and namespaces:
+            if any((namespace, name) in self.index.repeated for namespace in namespaces):
+                return None  # the index has only the first of them
             named = (self.index.find(namespace, name) for namespace in namespaces)
             return [node for node in named if node is not None and kind_of(node).path in paths]
         sections = (section for section in self.root.iterchildren("*") if section.tag != "default")
@@ -379,7 +383,13 @@ class Selection:
         return MAIN if node.tag == "default" and name == self.base_class else name
 
     def number(self, node: Node) -> int:
-        """Return the number of an element among the unnamed elements of its tag in its parent; -1 if it has a name."""
+        """Return the number of an element among the unnamed elements of its tag in its parent.
+
+        If it has a name, it is the number among the elements of its tag with the same name; -1 if no other has it.
+        """
+        name = self.name(node)
+        if name:
+            return self._number_of_repeated(node, name)
         parent = parent_of(node)
         if parent is None:
             return -1
@@ -387,6 +397,16 @@ class Selection:
         if place not in self._numbers:
             self._numbers[place] = numbered(*place)
         return self._numbers[place].get(node, -1)
+
+    def _number_of_repeated(self, node: Node, name: str) -> int:
+        kind = kind_of(node)
+        if kind.path not in self._repeated:
+            named: dict[str, list[Node]] = {}
+            for each in self.of_kind(Selector(kind.path, EVERYTHING)):
+                named.setdefault(self.name(each) or "", []).append(each)
+            several = [nodes for own, nodes in named.items() if own and len(nodes) > 1]
+            self._repeated[kind.path] = {each: number for nodes in several for number, each in enumerate(nodes)}
+        return self._repeated[kind.path].get(node, -1)
 
     def _meant(self, node: Node, selector: Selector) -> bool:
         """Return whether a selector matches this element, cached because all elements below check their ancestors."""

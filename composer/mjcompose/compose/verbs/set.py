@@ -12,6 +12,7 @@ from mjcompose.base.diagnostic import Fault, Path
 from mjcompose.compose.editing import Editing
 from mjcompose.compose.values import UnusableValue, report_unusable
 from mjcompose.compose.verbs.values import SET, Entry, change_all
+from mjcompose.language.assign import unknown_target
 from mjcompose.language.fragment import report_clashing, report_missing
 from mjcompose.language.verbs.set import Set
 from mjcompose.tree.classes import chain
@@ -63,6 +64,9 @@ def _remove(editing: Editing, found: list[Node], going: Mapping[str, Any], at: P
         if not (writing := [node for node in found if node.get(name) is not None]):
             given = next((node for node in found if editing.effective(node, name) is not None), None)
             by_class = given is not None and kind_of(given).takes_class and _by_class(editing, given, name)
+            kinds = {kind_of(node): None for node in found}
+            if not any(name in kind.attributes for kind in kinds):
+                report_unusable(editing, found[0], unknown_target(name, str(found[0].tag), [*kinds], at=path))
             help = "its class gives it: change it there, `select: {default: CLASS}`" if by_class else None
             message = f"`{name}` is written on none of the selected elements"
             editing.sink.error("unknown-attribute", message, editing.span(path, key=True), help=help, subjects=(name,))

@@ -10,24 +10,33 @@ from functools import partial
 from itertools import groupby
 from pathlib import Path
 
+from lxml.etree import _Element as Node
+
 from mjcompose.base.dataclass import Struct, dataclass
 from mjcompose.base.diagnostic import Diagnostic
 from mjcompose.base.files import unsaved
+from mjcompose.base.sink import Sink
+from mjcompose.base.suggest import closest
 from mjcompose.base.words import counted
 from mjcompose.bundle.bundle import MODEL, Bundle
 from mjcompose.bundle.staging import sibling
 from mjcompose.contrast.changes import Contrast, FieldChange, Value
 from mjcompose.contrast.models import contrast, contrast_of
 from mjcompose.contrast.text import sentences, shown, subject
+from mjcompose.link.corrections import Correction, keep_first, without_attribute, without_reference
+from mjcompose.link.names import referring_attribute, rename
 from mjcompose.link.source_check import check_source
 from mjcompose.mujoco.engine import Session, call, compile
 from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
+from mjcompose.text.dump import Data, to_yaml
 from mjcompose.text.faults import word
 from mjcompose.tools.importing import elements
 from mjcompose.tools.importing.folding import folded
 from mjcompose.tools.importing.propose import Proposal, in_order, propose, recipe_text
 from mjcompose.tools.importing.search import Instance, parent_body
+from mjcompose.tree.classes import MAIN
+from mjcompose.tree.names import may_be_generated
 from mjcompose.tree.parse import all_admitted, parse_file
 from mjcompose.tree.unit import Unit
 from mjcompose.verify.compile import WHOLE
@@ -177,6 +186,35 @@ def recover(
 def whole_recipe(merged: Path, out: Path) -> str:
     """Return a recipe with the merged model as base, for a model whose parts are unknown."""
     return f"recipe: 1\nname: {word(out.stem)}\nbase: {word(_reference(merged, out.parent))}\n"
+
+
+def corrections_of(file: Path, context: Context) -> list[Correction]:
+    """Return the entries of a part that correct a file which is not valid alone. Without them, the file is as it is."""
+    sink = Sink()
+    unit = parse_file(file, sink, file=context.shown(file))
+    if unit is None:
+        return []  # which is reported where the file is read
+    unknown: list[tuple[Node, str]] = []
+    check_source(unit, sink, later=unknown)
+    names = rename(unit, "", top_class=MAIN)
+    found = [without_attribute(node, name) for node, name in unknown]
+    found += [keep_first(node, name) for namespace, name, node in names.repeated if namespace != "default"]
+    for namespace, name, node in names.dangling():
+        attribute = referring_attribute(node, name)
+        is_misspelt = bool(closest(name, names.declared[namespace]))
+        if attribute is not None and not is_misspelt and not may_be_generated(name, unit.root):
+            found.append(without_reference(node, attribute, namespace))
+    return list({each.text: each for each in found if each is not None}.values())
+
+
+def corrected_recipe(file: Path, out: Path, corrections: Iterable[Correction]) -> str:
+    """Return a recipe that is the file with these corrections."""
+    base: dict[str, Data] = {"model": _reference(file, out.parent)}
+    for key in ("drop", "edit"):
+        entries = [each.entry for each in corrections if each.key == key]
+        if entries:
+            base[key] = [*entries]
+    return to_yaml({"recipe": 1, "name": out.stem, "base": base})
 
 
 @dataclass
