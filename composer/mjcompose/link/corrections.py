@@ -54,7 +54,7 @@ def without_attribute(node: Node, name: str) -> Correction | None:
 def keep_first(node: Node, name: str) -> Correction | None:
     """Return the entry of `drop` that removes an asset which repeats the name of another one."""
     if section_of(node) != "asset":
-        return None  # what is in a body, or refers to it, would also be dropped
+        return None  # dropping a body also drops its contents, and the elements that refer to them
     return Correction("drop", {str(node.tag): name, "where": "${index > 0}"})
 
 
