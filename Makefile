@@ -1,6 +1,6 @@
 # Everything sets itself up on a machine with Python 3.11 or newer and nothing else; uv is used where it is there.
 #   PYTHON=python3.12 make test      another Python than the one that .ci/setup finds
-#   MUJOCO=3.12.0 make test          another MuJoCo than the pinned one
+#   MUJOCO=3.11.0 make test          another MuJoCo than the pinned one
 #   PYTEST_ARGS="-k arm -x"          other arguments for pytest
 
 VENV ?= .venv
@@ -71,7 +71,7 @@ test-targets: $(STAMP)
 
 # URDF on the oldest MuJoCo that builds, whose own reader loses more than newer ones: the tests, and robots of others beside Pinocchio. What
 # cannot be had from PyPI is skipped.
-OLDEST := 3.12.0
+OLDEST := 3.11.0
 test-oldest: $(STAMP)
 	@[ -e .venv-oldest/.ready ] || { \
 	  VENV=.venv-oldest MUJOCO=$(OLDEST) EXTRAS=test PYTHON=$(BIN)/python bash .ci/setup && touch .venv-oldest/.ready; }

@@ -35,6 +35,14 @@ SAME = [
 ]
 
 
+@pytest.mark.parametrize("shown", ["true", "false"])
+def test_a_setting_whose_default_is_another_in_mujoco_3_11_is_written(workshop: Workshop, shown: str) -> None:
+    part = f'<visual><global bvactive="{shown}"/></visual>'
+    linked = workshop.link(BASE, options(part))
+    assert f'bvactive="{shown}"' in linked.xml
+    assert told(linked) == []
+
+
 @pytest.mark.parametrize("written", SAME)
 def test_what_mujoco_does_anyway_is_no_conflict(workshop: Workshop, written: str) -> None:
     linked = workshop.link(BASE, options(written))

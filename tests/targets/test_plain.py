@@ -23,8 +23,17 @@ SHIPPED = sorted(path.stem for path in RECIPES.glob("*.yaml"))
 CORPUS = os.environ.get("MJCOMPOSE_CORPUS")
 MODELS = sorted(Path(CORPUS, "feature-cases").glob("*/*.xml")) if CORPUS else []
 OWN = sorted((Path(__file__).parents[1] / "feature_cases").glob("*/*.xml"))
-NOT_SAVED = ("32-odd-names/base",)
+NOT_SAVED = {"32-odd-names/base"}
 """MuJoCo 4.0 saves a tab in a name as it is, which is read as a space: an error of the build."""
+if mujoco.__version__.startswith("3."):  # it loses classes, the order of joints and the frames of keys
+    NOT_SAVED |= {
+        "13-classes-called-main/base",
+        "13-classes-called-main/part",
+        "14-order-of-actuators-in-classes/base",
+        "45-joints-after-children/base",
+        "80-later-default-and-angles/base",
+        "82-keys-of-several-attached-models/base",
+    }
 
 
 def test_nothing_is_left_to_expand(tmp_path: Path) -> None:

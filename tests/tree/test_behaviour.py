@@ -14,6 +14,8 @@ import pytest
 from mjcompose.tree.grammar import GRAMMAR, Attribute, ElementType, to_text
 from tree.keywords import keywords_in
 
+pytestmark = pytest.mark.since("3.12", "`schemas/mjcf.json` begins with 3.12")
+
 VERSION = mujoco.__version__
 OLDER = VERSION.startswith("3.")
 MINIMAL: dict[str, Any] = runpy.run_path(str(Path(__file__).with_name("minimal.py")))

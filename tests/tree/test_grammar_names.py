@@ -17,6 +17,8 @@ from mjcompose.tools.importing.elements import plain
 from mjcompose.tree.files import SourceSettings
 from mjcompose.tree.grammar import GRAMMAR, read_data
 
+pytestmark = pytest.mark.since("3.12", "`schemas/mjcf.json` begins with 3.12")
+
 PROGRAM = runpy.run_path(str(Path(__file__).parents[2] / ".ci" / "grammar_rows.py"))
 VERSION = mujoco.__version__
 TEXT = mujoco.mj_printSchema(False, True)

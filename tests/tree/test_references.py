@@ -17,6 +17,8 @@ import numpy as np
 import pytest
 from mjcompose.tree.grammar import GRAMMAR
 
+pytestmark = pytest.mark.since("3.12", "`schemas/mjcf.json` begins with 3.12")
+
 VERSION = mujoco.__version__
 MINIMAL: dict[str, Any] = runpy.run_path(str(Path(__file__).with_name("minimal.py")))
 PLACES = MINIMAL["PLACES"]

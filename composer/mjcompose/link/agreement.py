@@ -76,9 +76,15 @@ def requested_settings(unit: Unit) -> dict[str, WrittenSetting]:
     return found
 
 
+_DEFAULT_DIFFERS = ("visual/global/bvactive",)
+"""Settings whose default is not the same in each MuJoCo that builds: `true` in 3.11, `false` since 3.12."""
+
+
 @cache
 def default_of(path: str) -> str | None:
-    """Return MuJoCo's default of a setting, or None if it has none or computes it."""
+    """Return MuJoCo's default of a setting, or None if it has none, computes it, or another version has another."""
+    if path in _DEFAULT_DIFFERS:
+        return None
     element, name = path.rsplit("/", 1)
     attribute = GRAMMAR.element(element).attributes.get(name)
     value = attribute.default if attribute is not None else None

@@ -54,6 +54,8 @@ def _one(value: Any) -> str:
 
 
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
+_MISNAMED = {"potential": "e_potential", "kinetic": "e_kinetic"}
+"""Sensors that MuJoCo 3.11 and 3.12 save under names that they do not read."""
 
 
 def saved(mujoco: Any, spec: Any) -> Node:
@@ -69,6 +71,8 @@ def saved(mujoco: Any, spec: Any) -> Node:
         if text.text and text.get("data") is None:  # MuJoCo saves text that has to be escaped as CDATA
             text.set("data", str(text.text))
             text.text = None
+    for element in root.iterfind("sensor/*"):
+        element.tag = _MISNAMED.get(str(element.tag), element.tag)
     for element in root.iter("*"):
         kind = kind_of(element)
         for name, value in element.items():
