@@ -20,6 +20,7 @@ HOW_TO = (
     "urdf",
     "split",
     "keyframes",
+    "scale",
     "actuators",
     "troubleshooting",
     "train",
