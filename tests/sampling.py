@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 import struct
 from collections.abc import Callable, Collection, Iterable
@@ -18,6 +19,13 @@ def rest_slow(values: Iterable[Any], quick: Collection[str], id: Callable[[Any],
     unknown = set(quick) - {name for name, _ in named}
     assert not unknown or not named, f"no parameter is called {', '.join(sorted(unknown))}"
     return [pytest.param(value, id=name, marks=() if name in quick else pytest.mark.slow) for name, value in named]
+
+
+def need_robots(recipe: Path, folder: Path) -> None:
+    """Skip a test of a recipe with a robot of Menagerie that is not in a folder."""
+    for robot in re.findall(r"menagerie:(\w+)", recipe.read_text(encoding="utf-8")):
+        if not (folder / robot).exists():
+            pytest.skip(f"there is no {robot}")
 
 
 _FACES = ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3))

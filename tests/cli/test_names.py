@@ -21,8 +21,8 @@ def test_the_names_of_a_recipe_a_bundle_and_a_model(folder: Path) -> None:
 
 def test_wrong_commands(folder: Path) -> None:
     for arguments, code, said in (
-        (["cell.yaml"], 2, "one of --python, --cpp and --json"),
-        (["cell.yaml", "--python", "--cpp"], 2, "one of --python, --cpp and --json"),
+        (["cell.yaml"], 2, "one of --python, --cpp, --json and --lerobot"),
+        (["cell.yaml", "--python", "--cpp"], 2, "one of --python, --cpp, --json and --lerobot"),
         (["nothing.yaml", "--json"], 2, "does not exist"),
         (["models/arm.xml", "--json", "--pick", "a"], 2, "has no cells"),
         (["cell.yaml", "--json", "-o", "cell.yaml"], 1, "cell.yaml"),

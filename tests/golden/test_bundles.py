@@ -23,6 +23,7 @@ from mjcompose.bundle.bundle import MANIFEST, MODEL
 from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 from mjcompose.text.node import Scalar
+from sampling import need_robots
 
 HERE = Path(__file__).resolve().parent
 RECIPES = HERE.parents[1] / "recipes"
@@ -68,8 +69,10 @@ def expected() -> dict[str, str]:
     "case", [pytest.param(each, marks=pytest.mark.slow if "menagerie" in each else ()) for each in CASES]
 )
 def test_bytes(case: str) -> None:
-    if case.startswith("recipes/menagerie") and not os.environ.get("MJCOMPOSE_CORPUS"):
-        pytest.skip("MJCOMPOSE_CORPUS names no corpus")
+    if case.startswith("recipes/menagerie"):
+        if not os.environ.get("MJCOMPOSE_CORPUS"):
+            pytest.skip("MJCOMPOSE_CORPUS names no corpus")
+        need_robots(CASES[case], Path(os.environ["MJCOMPOSE_CORPUS"], "models"))
     if case.endswith(("/xacro", "/xacro_arm")):
         pytest.importorskip("xacro")
     found = digests(CASES[case])

@@ -20,6 +20,7 @@ from mjcompose.link.measure import measure_with
 from mjcompose.plan.planner import make_plan
 from mjcompose.sources.context import Context
 from mjcompose.tree import journal
+from sampling import need_robots
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 CORPUS = os.environ.get("MJCOMPOSE_CORPUS")
@@ -46,8 +47,10 @@ def audited(recipe: Path, deduplicates: bool = False, audit: Audit | None = None
 
 
 def needs(case: str) -> None:
-    if "menagerie" in case and not CORPUS:
-        pytest.skip("MJCOMPOSE_CORPUS names no corpus")
+    if "menagerie" in case:
+        if not CORPUS:
+            pytest.skip("MJCOMPOSE_CORPUS names no corpus")
+        need_robots(CASES[case], Path(CORPUS, "models"))
     if case == "urdf" and not hasattr(mujoco.MjSpec, "fuse_static"):
         pytest.skip("this MuJoCo fuses the link `tool0` without a trace")
     if case.endswith(("xacro", "xacro_arm")):

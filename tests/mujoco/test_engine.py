@@ -124,7 +124,14 @@ def test_the_index_tells_every_address(tmp_path: Path, session: engine.Session) 
     assert not index.joints[3].limited
     assert index.actuators == (
         CompiledActuator(
-            "torque", ctrl_address=0, ctrl_size=1, act_address=-1, act_size=0, unit="N m", ctrl_ranges=(None,)
+            "torque",
+            ctrl_address=0,
+            ctrl_size=1,
+            act_address=-1,
+            act_size=0,
+            unit="N m",
+            ctrl_ranges=(None,),
+            joint="turn",
         ),
         CompiledActuator(
             "servo",
@@ -135,6 +142,7 @@ def test_the_index_tells_every_address(tmp_path: Path, session: engine.Session) 
             unit="m/s",
             ctrl_ranges=(None,),
             act_range=(-1, 1),
+            joint="push",
         ),
     )
     assert index.sensors == (

@@ -26,7 +26,7 @@ def model(text: str) -> Any:
 def test_it_is_made_from_what_the_child_sends() -> None:
     made = CompiledIndex(
         joints=(CompiledJoint("j", "ball", 7, 4, 6, 3, True, (0, 1), "b"),),
-        actuators=(CompiledActuator("a", 2, 3, 4, 5, "rad", (None, (0, 1), None), None, (-1, 1), 8.0),),
+        actuators=(CompiledActuator("a", 2, 3, 4, 5, "rad", (None, (0, 1), None), None, (-1, 1), 8.0, "j"),),
         sensors=(CompiledSensor("s", "gyro", 8, 3, "rad/s"),),
         keyframes=(CompiledKeyframe("k", 0.5),),
         cameras=(CompiledCamera("c", "b", 45, "deg", (4, 3)),),
@@ -37,6 +37,7 @@ def test_it_is_made_from_what_the_child_sends() -> None:
 
 def test_a_version_in_which_an_actuator_has_one_control() -> None:
     old = SimpleNamespace(nq=0, nu=2, names=b"a\0b\0", name_actuatoradr=[0, 2], actuator_actadr=[-1, 0])
+    old.name_jntadr = []
     old.actuator_actnum = [0, 1]
     old.actuator_dyntype = [int(mujoco.mjtDyn.mjDYN_MUSCLE)] * 2
     old.actuator_ctrllimited = [1, 0]

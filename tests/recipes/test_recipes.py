@@ -11,13 +11,13 @@ import pytest
 from mjcompose.bundle.write import write
 from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
-from sampling import rest_slow
+from sampling import need_robots, rest_slow
 
 ROOT = Path(__file__).resolve().parents[2]
 RECIPES = sorted((ROOT / "recipes").glob("*.yaml"))
 # What is told of them on purpose.
 TOLD = {"soft_arm": ["convert-loss"]}
-NEEDS_MORE = {f"menagerie_{name}" for name in ("bimanual", "collision", "go1_z1", "panda_allegro")}
+NEEDS_MORE = {f"menagerie_{name}" for name in ("bimanual", "collision", "go1_z1", "panda_allegro", "so101")}
 """Recipes of robots that only the corpus has."""
 QUICK = {path.stem for path in RECIPES} - NEEDS_MORE - {"menagerie_cell", "menagerie_randomised", "held_payload"}
 
@@ -28,6 +28,7 @@ def test_builds_and_moves_without_a_warning(path: Path, tmp_path: Path, menageri
         pytest.importorskip("xacro")
     if path.stem in NEEDS_MORE and not os.environ.get("MJCOMPOSE_CORPUS"):
         pytest.skip("MJCOMPOSE_CORPUS names no corpus")
+    need_robots(path, menagerie_root)
     context = Context(environment={**os.environ, "MENAGERIE_ROOT": str(menagerie_root)})
     built = build(ModelRequest(path), context)
     assert built is not None

@@ -19,7 +19,9 @@ from mjcompose.cli.reporting import FINDINGS, USAGE, progress, source_reader, us
 from mjcompose.cli.run import RECIPE_PATH, Answer, Group, Run, Stop, argument, command, flag, group, option
 
 if TYPE_CHECKING:
+    from mjcompose.base.sink import Sink
     from mjcompose.contrast.changes import Breaking, Diff
+    from mjcompose.sides.names import NamesRecord
     from mjcompose.sides.side import Side
 
 
@@ -160,6 +162,7 @@ class NamesOptions(Group):
     python: bool = flag("--python", help="Write a Python module.")
     cpp: bool = flag("--cpp", help="Write a C++17 header.")
     json: bool = flag("--json", help="Write JSON.")
+    lerobot: bool = flag("--lerobot", help="Write the features of a data set of LeRobot as JSON.")
     out: str | None = output("Where to write it. Default: standard output.")
     choices: Choices = group(Choices)
     cell: CellOptions = group(CellOptions)
@@ -170,7 +173,7 @@ class NamesOptions(Group):
 @command(
     NamesOptions,
     help="""Write the names of joints, actuators, sensors and keyframes of MODEL,
-    with addresses, units, ranges and values.
+    with addresses, units, ranges and values. --lerobot writes the features of a data set for its motors and cameras.
 
     MODEL is a bundle, a recipe or a model file. It may be in a git revision: `main:arm.yaml`. The result needs no
     other file, and equal models give equal bytes.
@@ -179,21 +182,31 @@ class NamesOptions(Group):
 def names(options: NamesOptions, run: Run) -> Answer:
     from mjcompose.tools import names as tool
 
-    if options.python + options.cpp + options.json != 1:
-        raise click.UsageError("Give one of --python, --cpp and --json.")
+    if options.python + options.cpp + options.json + options.lerobot != 1:
+        raise click.UsageError("Give one of --python, --cpp, --json and --lerobot.")
     is_recipe = Path(options.model).suffix.lower() in RECIPES
     options.cell.check(options.model, is_recipe=is_recipe)
     given = options.choices.given(run)
     found = tool.names(options.model, run.context, given, pick=options.cell.pick, sample=options.cell.sample)
-    if found is None:
+    text = None if found is None else _names_as_text(found, options, run.context.sink)
+    if text is None:
         raise Stop(run.code_of_failure(Path(options.model.partition(":")[2] or options.model)))
-    text = (tool.to_python if options.python else tool.to_cpp if options.cpp else tool.to_json)(found)
     if options.out in (None, "-"):
-        return Answer(text.removesuffix("\n"), code=0, reports=False)
+        return Answer(text.removesuffix("\n"), code=0, reports=options.lerobot)
 
     with run.stopping(FINDINGS), staged_file(run.context.folder / str(options.out), "--output") as stage:
         stage.write_text(text, encoding="utf-8")
-    return Answer(f"wrote {options.out}", {"path": options.out}, is_outcome=True, code=0, reports=False)
+    return Answer(f"wrote {options.out}", {"path": options.out}, is_outcome=True, code=0, reports=options.lerobot)
+
+
+def _names_as_text(names: NamesRecord, options: NamesOptions, sink: Sink) -> str | None:
+    """Return the names in the form of the options, or None after reported errors."""
+    from mjcompose.tools import features, names as tool
+
+    if options.lerobot:
+        found = features.features(names, sink)
+        return None if found is None else features.to_json(found)
+    return (tool.to_python if options.python else tool.to_cpp if options.cpp else tool.to_json)(names)
 
 
 _DIFFERENT = 1

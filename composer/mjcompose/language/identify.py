@@ -91,6 +91,9 @@ class RecordingKeys(Model):
 
     units: RecordingUnits = Field(default_factory=lambda: RecordingUnits())
     """the units, if they are not rad, m, rad/s and s"""
+    percent: Annotated[tuple[Text, ...], Items(1, unique=True), Expects("a list of joints", "[gripper]")] = ()
+    """joints whose positions, speeds and commands are in percent of their range in the model, such as LeRobot's
+    gripper"""
     sign: Annotated[dict[str, Literal[-1, 1]], Expects("a mapping from names to 1 or -1", "{elbow: -1}")] = Field({})
     """-1 for a joint that the recording counts the other way round, or for one column, `qpos elbow`; 1 if a direction
     is right but looks wrong"""

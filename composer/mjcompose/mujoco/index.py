@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 from mjcompose.base.dataclass import Struct
 from mjcompose.mujoco import controls as units
 from mjcompose.mujoco.addresses import rows_of, span
-from mjcompose.mujoco.arrays import BY_WORD, HINGE, JOINT_TYPES, LENGTH, words
+from mjcompose.mujoco.arrays import BY_WORD, HINGE, JOINT_TYPES, LENGTH, SLIDE, words
 from mjcompose.mujoco.attributes import KINDS, ON_BODIES, NameTable, holder, names
 from mjcompose.mujoco.controls import AFFINE, is_by_plugin
 from mjcompose.mujoco.references import ON_JOINTS, links
@@ -59,6 +59,8 @@ class CompiledActuator(Struct):
     force_range: Range | None = None
     stiffness: float = 0.0
     """The stiffness of a servo at its hinge, in N·m/rad; 0 for any other actuator."""
+    joint: str = ""
+    """The hinge or slide that it moves directly, if any."""
 
 
 class CompiledSensor(Struct):
@@ -205,7 +207,9 @@ def _joints(model: MjModel, bodies: list[str]) -> Iterator[CompiledJoint]:
 def _actuators(model: MjModel, mujoco: Any) -> Iterator[CompiledActuator]:
     limited = model.actuator_ctrllimited
     bounds = model.actuator_ctrlrange
+    joints = names(model, "joint")
     for row, name in enumerate(names(model, "actuator")):
+        joint = _joint_of(model, row)
         controls = span(model, "ctrl", row)
         activations = span(model, "act", row)
         yield CompiledActuator(
@@ -219,18 +223,27 @@ def _actuators(model: MjModel, mujoco: Any) -> Iterator[CompiledActuator]:
             act_range=_bounds(model.actuator_actrange[row]) if model.actuator_actlimited[row] else None,
             force_range=_bounds(model.actuator_forcerange[row]) if model.actuator_forcelimited[row] else None,
             stiffness=_stiffness(model, row),
+            joint="" if joint is None else joints[joint],
         )
 
 
 def _stiffness(model: MjModel, row: int) -> float:
     """Return the stiffness that a servo gives a hinge through its gear, in N·m/rad; 0 for any other actuator."""
-    target = int(model.actuator_trnid[row, 0])
-    if int(model.actuator_trntype[row]) not in ON_JOINTS or int(model.jnt_type[target]) != HINGE:
+    joint = _joint_of(model, row)
+    if joint is None or int(model.jnt_type[joint]) != HINGE:
         return 0.0
     if is_by_plugin(model, row) or int(model.actuator_biastype[row]) != AFFINE:
         return 0.0
     gear = float(model.actuator_gear[rows_of(model, "actuator", "actuator_gear", index=row).start, 0])
     return -float(model.actuator_biasprm[row, 1]) * gear**2
+
+
+def _joint_of(model: MjModel, row: int) -> int | None:
+    """Return the hinge or slide that an actuator moves directly, or None."""
+    if int(model.actuator_trntype[row]) not in ON_JOINTS:
+        return None
+    joint = int(model.actuator_trnid[row, 0])
+    return joint if int(model.jnt_type[joint]) in (HINGE, SLIDE) else None
 
 
 def _bounds(pair: Any) -> Range:

@@ -33,7 +33,7 @@ class NamesRecord(Struct):
             row["unit"] = BY_WORD[row["type"]].unit  # None for a free joint, which has several
             row["range"] = row["range"] if row.pop("limited") else None
         for row in rows["actuators"]:
-            del row["stiffness"]
+            del row["stiffness"], row["joint"]
         kinds = {name: rows[name] for name in ("joints", "actuators", "sensors")}
         return {"model": self.model, "sha256": self.sha256, "sizes": dict(self.sizes), **kinds, "keyframes": keys}
 

@@ -20,6 +20,7 @@ Columns = dict[str, np.ndarray]
 KEYS: dict[str, Any] = {
     "factors": dict.fromkeys(("qpos", "qvel", "ctrl", "sensor", "time"), 1.0),
     "dimensions": {},
+    "percent": [],
     "sign": {},
     "names": {},
     "ignore": [],
@@ -177,6 +178,39 @@ def test_a_text_that_is_no_table(text: str, code: str, line: int | None, tmp_pat
     path.write_text(text, encoding="utf-8")
     found = fault(path)
     assert (found.code, found.line) == (code, line)
+
+
+def test_percent_of_the_range_is_the_same_motion(tmp_path: Path) -> None:
+    low, high = ROBOT.joint("elbow").range
+    columns = good()
+    for name in ("qpos elbow", "ctrl elbow"):
+        columns[name] = 100 * (columns[name] - low) / (high - low)
+    columns["qvel elbow"] = np.full_like(columns["time"], 25.0)
+    found = read(robots.write_csv(tmp_path / "run.csv", columns), percent=["elbow"])
+    assert found.signals[Signal("qpos", "elbow")] == pytest.approx(GOOD["qpos elbow"], abs=1e-6)
+    assert found.commands["elbow"].values == pytest.approx(GOOD["ctrl elbow"], abs=1e-6)
+    assert found.signals[Signal("qvel", "elbow")] == pytest.approx(0.25 * (high - low))
+    assert found.signals[Signal("qpos", "shoulder")] == pytest.approx(GOOD["qpos shoulder"], abs=1e-6)
+
+
+def test_percent_that_counts_down(tmp_path: Path) -> None:
+    low, high = ROBOT.joint("elbow").range
+    columns = good()
+    for name in ("qpos elbow", "ctrl elbow"):
+        columns[name] = 100 * (high - columns[name]) / (high - low)
+    found = read(robots.write_csv(tmp_path / "run.csv", columns), percent=["elbow"], sign={"elbow": -1})
+    assert found.signals[Signal("qpos", "elbow")] == pytest.approx(GOOD["qpos elbow"], abs=1e-6)
+
+
+def test_percent_of_a_joint_that_has_no_percent(tmp_path: Path) -> None:
+    path = robots.write_csv(tmp_path / "run.csv", good())
+    unknown = fault(path, percent=["elbw"])
+    assert (unknown.code, unknown.help) == ("unknown-name", "did you mean `elbow`?")
+    assert unknown.at == ("recording", "percent")
+    endless = mujoco.MjModel.from_xml_string(robots.MODEL.format(**robots.RECIPE).replace(' range="-2 2"', ""))
+    with pytest.raises(RecordingFault, match="`elbow` has no range") as raised:
+        read_recording(mujoco, endless, path, path.name, {**KEYS, "percent": ["elbow"]}, LIMITS)
+    assert raised.value.code == "recording-unit"
 
 
 def test_files_that_are_no_recordings(tmp_path: Path) -> None:

@@ -157,6 +157,7 @@ def question_of(
         "keys": {
             "factors": keys.units.factors,
             "dimensions": keys.units.dimensions,
+            "percent": list(keys.percent),
             "sign": dict(keys.sign),
             "names": dict(keys.names),
             "ignore": list(keys.ignore),

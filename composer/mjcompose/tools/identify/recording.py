@@ -93,6 +93,7 @@ class _Reader:
 
     def read(self, path: Path, file: str, limits: SizeLimits) -> Recording:
         self._check_sign_names()
+        self._check_percent_names()
         recorded = read_file(path, self._reading_keys(), limits)
         table = self._without_empty_rows(recorded.table)
         times = self._times(table)
@@ -100,7 +101,7 @@ class _Reader:
         commands: dict[str, Command] = {}
         for signal, column, source in self._signals(replace(recorded, table=table)):
             clock = times if source is table else self._times(source, is_steady=False)
-            values = source.columns[column] * self._factor(signal) * self._sign(signal)
+            values = self._in_mujoco_units(signal, source.columns[column])
             self._check_unit(signal, column, values, source)
             if signal.kind == "ctrl":
                 _check_finite(source, clock, column, values, may_lack=True)
@@ -208,6 +209,20 @@ class _Reader:
             help = meant or "write the name of the model, not of the recording"
             raise RecordingFault("unknown-name", message, help, at=("recording", "sign", written))
 
+    def _check_percent_names(self) -> None:
+        """Refuse percent of joints that the model does not have, or that have no range."""
+        joints = self.known["joint"]
+        for written in self.keys["percent"]:
+            name = self.keys["prefix"] + written
+            at = ("recording", "percent")
+            if name not in joints:
+                help = did_you_mean(written, [self._without_prefix(joint) for joint in joints])
+                message = f"`recording: {{percent: …}}` has `{written}`, which names no joint of the model"
+                raise RecordingFault("unknown-name", message, help or "write the name of the model", at=at)
+            if not self.model.jnt_limited[self.model.joint(name).id]:
+                message = f"joint `{written}` has no range, so a percentage of it has no meaning"
+                raise RecordingFault("recording-unit", message, "give the joint a `range`", at=at)
+
     def _check_units(self, signals: Collection[Signal]) -> None:
         """Refuse units that are the unit of no column."""
         for kind, dimension in self.keys["dimensions"].items():
@@ -242,6 +257,27 @@ class _Reader:
         dimension = self.keys["dimensions"].get(signal.kind)
         is_meant = dimension is None or dimension == self._dimension(signal)
         return float(self.keys["factors"][signal.kind]) if is_meant else 1.0
+
+    def _in_mujoco_units(self, signal: Signal, values: Series) -> Series:
+        sign = self._sign(signal)
+        joint = self._percent_joint(signal)
+        if joint is None:
+            return values * self._factor(signal) * sign
+        low, high = map(float, self.model.jnt_range[self.model.joint(joint).id])
+        if signal.kind == "qvel":
+            return values * sign * (high - low) / 100
+        start = low if sign > 0 else high  # a joint that counts down is at its upper end at 0 percent
+        return start + values * sign * (high - low) / 100
+
+    def _percent_joint(self, signal: Signal) -> str | None:
+        """Return the joint of a column in percent; None for a column with a unit."""
+        name: str | None = signal.name
+        if signal.kind == "ctrl":
+            # Only the command of a position servo is a position.
+            stiffness = self.model.actuator_biasprm[self.model.actuator(signal.name).id, 1]
+            name = self._joint_of(signal.name) if stiffness else None
+        is_percent = signal.kind != "sensor" and name is not None and self._without_prefix(name) in self.keys["percent"]
+        return name if is_percent else None
 
     def _signal(self, column: str) -> Signal | None:
         """Return the signal of a column, or None for a column to ignore."""
@@ -291,7 +327,7 @@ class _Reader:
     def _check_unit(self, signal: Signal, column: str, values: Series, table: RecordedTable) -> None:
         """Refuse positions and commands far outside of the model's range: they are in another unit."""
         limit = self._limit(signal)
-        if limit is None or self._factor(signal) != 1.0:
+        if limit is None or self._factor(signal) != 1.0 or self._percent_joint(signal) is not None:
             return
         known = values[np.isfinite(values)]
         reach = float(np.abs(known).max(initial=0))
