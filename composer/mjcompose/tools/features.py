@@ -6,6 +6,7 @@ The names are those of LeRobot's own robots: the motor `left/elbow_flex` of a mo
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from typing import Any
 
@@ -86,7 +87,7 @@ def _own_name(name: str) -> str:
 
 
 def _check_unique(elements: str, names: Sequence[str], sink: Sink) -> None:
-    for name in dict.fromkeys(name for name in names if names.count(name) > 1):
+    for name in (name for name, count in Counter(names).items() if count > 1):
         message = f"two {elements} would both be `{name}`, because LeRobot has `_` for the `/` of a name"
         sink.error("name-clash", message, help="`rename` one of them in the recipe")
 
