@@ -22,7 +22,7 @@ _UNSET = (1, 1)
 
 
 def features(names: NamesRecord, sink: Sink) -> dict[str, Any] | None:
-    """Return the features by name, or None after reported errors. Reports what no feature has as warnings."""
+    """Return the features by name, or None after reported errors. Motors and cameras without a feature are warnings."""
     index = names.index
     if not index.actuators:
         message = "the model has no actuators, and a data set of LeRobot needs the feature `action`"
