@@ -71,7 +71,7 @@ READS_ITSELF = {
         bundle/listing.py:_rows_at bundle/read.py:_read_archive bundle/remote.py:manifest_at
         bundle/write.py:_manifest bundle/bundle.py:with_moment pipeline/cache/cache_key.py:_sha256
         sources/blobs.py:sha256_of sources/git_command.py:Git.run sources/git_command.py:_listed
-        tools/identify/tables.py:read_table tools/identify/tables.py:_read_npz tools/identify/tables.py:_npy_header
+        tools/identify/tables.py:read_npz tools/identify/tables.py:_npy_header tools/identify/files.py:opened
         sources/git_command.py:_contents sources/fetched.py:_download sources/web_archive.py:unpack sources/web_archive.py:_zip_members
         tools/worlds/worlds.py:read""",
     "files of this package or project": """
@@ -93,7 +93,8 @@ READS_ITSELF = {
         verify/draws.py:with_worlds verify/draws.py:compute_worlds verify/draws.py:compare_world
         cli/servers.py:_call tools/identify/identify.py:_progress.watch""",
     "what was checked, in a folder of ours, as MuJoCo's process opens it": """
-        mujoco/convert.py:_read mujoco/playable.py:strip tools/worlds/load.py:_compiled""",
+        mujoco/convert.py:_read mujoco/playable.py:strip tools/worlds/load.py:_compiled tools/worlds/joint_text.py:CellText.__init__
+        tools/worlds/joint_text.py:JointText._file tools/worlds/joint_text.py:JointText.write""",
     "the entry points of installed packages, as Python's own reader does": "base/extensions.py:_are_there",
     "runs in an environment of its own, on a model in a folder of ours": """
         targets/readers/mjx.py targets/readers/pybullet.py targets/readers/warp.py targets/readers/shared/facts.py""",
@@ -106,7 +107,7 @@ WRITES_ITSELF = {
     "its argument is a stage of the writer": """
         cli/build_cells.py:RunTable._write_parquet tools/migrate/migrate.py:lay_out mjcf/parse.py:export_with_assets
         mujoco/pictures.py:_write mujoco/pictures.py:sheet mujoco/film.py:write_mp4
-        tools/worlds/worlds.py:write_parquet tools/worlds/worlds.py:write""",
+        tools/worlds/worlds.py:write_parquet tools/worlds/worlds.py:_write_npz""",
     "into memory": "urdf/converting.py:_look",
     "into a folder of ours": """
         cli/about.py:_mujoco compose/mesh_jobs.py:MeshWorkshop._make sides/operand.py:_recipe_of
@@ -115,7 +116,8 @@ WRITES_ITSELF = {
         targets/moves_alike.py:_in_mujoco mujoco/playable.py:_replaced mujoco/scene.py:Blobs.put mujoco/scene.py:describe targets/read_back.py:placed targets/export.py:_put
         targets/read_back.py:read_back urdf/read.py:UrdfReader._written verify/compile.py:_written
         verify/draws.py:with_worlds verify/draws.py:compute_worlds tools/view/live.py:_opened
-        tools/worlds/union.py:compose_union tools/identify/work.py:_note""",
+        tools/worlds/union.py:compose_union tools/worlds/joint_text.py:JointText.write
+        tools/worlds/one_tree.py:_built tools/identify/work.py:_note""",
     "into a folder of ours, in an environment of its own": """
         mujoco/dump.py:main mujoco/dump.py:_marks targets/readers/shared/facts.py""",
     "the folder of a worker of a cluster, or a token beside the models": """
@@ -132,7 +134,7 @@ WRITES_ITSELF = {
         targets/table.py:<module> language/reference_page.py:write""",
     "no file: it links models, or names elements": """
         bundle/write.py:write compose/compose.py:Composer._joined contrast/models.py:contrast
-        mjcf/flat.py:link_checked targets/urdf.py:write_urdf""",
+        mjcf/flat.py:link_checked targets/urdf.py:description""",
 }
 """What opens files for writing, copies or moves them beside `bundle/staging.py`, and why."""
 

@@ -7,6 +7,7 @@ such files.
 from __future__ import annotations
 
 import hashlib
+import os
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -57,7 +58,7 @@ class ReadingKeys(Struct):
 
 def read_file(path: Path, keys: ReadingKeys, limits: SizeLimits) -> RecordedFile:
     """Return the contents of a recording. Raises RecordingFault."""
-    if path.is_dir():
+    if os.path.isdir(path):
         return _read_folder(path, keys, limits)
     suffix = path.suffix.lower()
     if suffix == ".mcap":
@@ -72,7 +73,7 @@ def read_file(path: Path, keys: ReadingKeys, limits: SizeLimits) -> RecordedFile
 
 
 def _read_folder(folder: Path, keys: ReadingKeys, limits: SizeLimits) -> RecordedFile:
-    if (folder / INFO).exists():
+    if os.path.exists(folder / INFO):
         from mjcompose.tools.identify.lerobot import read_dataset
 
         return read_dataset(folder, data_files(folder), keys, limits)
@@ -92,7 +93,7 @@ def data_files(folder: Path) -> list[Path]:
 
 def files_of(path: Path) -> Iterable[Path]:
     """Return all files that reading a recording may open."""
-    if not path.is_dir():
+    if not os.path.isdir(path):
         return [path]
     return [path / INFO, *data_files(path), *islice(path.glob(_BAG), _MOST_FILES)]
 
