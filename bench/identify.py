@@ -24,8 +24,8 @@ from typing import Any
 import mujoco
 import numpy as np
 from mjcompose.language.measured import DELAY
-from mjcompose.tools.identify.fit import choose_window, fit, with_window
-from mjcompose.tools.identify.intervals import know, verdicts
+from mjcompose.tools.identify.fit import choose_window, with_window
+from mjcompose.tools.identify.intervals import fit_and_know, verdicts
 from mjcompose.tools.identify.problem import FitSettings, Problem
 from mjcompose.tools.identify.recording import Command, Recording, Signal
 from mjcompose.tools.identify.unknowns import ModelPool, UnknownNumber, unknowns_of
@@ -158,11 +158,7 @@ def run(case: Case, seed: int) -> dict[str, Any]:
     recording = record(case, unknowns, truth, seed)
     problem = Problem(mujoco, case.model, unknowns, [recording], FitSettings())
     problem = with_window(problem, choose_window(problem))
-    found, solution = fit(problem)
-    knowledge, better = know(found, solution, may_move=True)
-    if better is not None:
-        found, solution = fit(found, better.values)
-        knowledge, _ = know(found, solution, may_move=False)
+    found, solution, knowledge = fit_and_know(problem)
     said = verdicts(found, solution, knowledge)
     off = (solution.values - truth) / knowledge.std
     return {

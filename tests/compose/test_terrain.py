@@ -15,8 +15,9 @@ import pytest
 import yaml
 from mjcompose.base.diagnostic import Diagnostic
 from mjcompose.bundle.bundle import Bundle
-from mjcompose.compose.heights import HeightField, made
+from mjcompose.compose.terrain import height_field
 from mjcompose.language.terrain import KINDS, Terrain
+from mjcompose.mujoco.heights import HeightField
 from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.plan.matrix import read_matrix
 from mjcompose.sources.context import Context
@@ -56,7 +57,7 @@ def model_of(bundle: Bundle) -> mujoco.MjModel:
 
 
 def terrain(**keys: object) -> HeightField:
-    return made(Terrain.model_validate(keys))
+    return height_field(Terrain.model_validate(keys))
 
 
 def heights_below(model: mujoco.MjModel, points: np.ndarray, down: tuple[float, ...] = (0, 0, -1)) -> np.ndarray:
@@ -196,8 +197,8 @@ def test_every_machine_writes_the_same_bytes(kind: str) -> None:
 def test_the_bytes_do_not_depend_on_the_process() -> None:
     """NumPy picks its functions by the processor: without the fast ones, the bytes are the same."""
     program = (
-        "import hashlib; from mjcompose.compose.heights import made; from mjcompose.language.terrain import KINDS, Terrain\n"
-        "for kind in KINDS: print(hashlib.sha256(made(Terrain.model_validate(dict(kind=kind, seed=3, difficulty=0.6))).content)"
+        "import hashlib; from mjcompose.compose.terrain import height_field; from mjcompose.language.terrain import KINDS, Terrain\n"
+        "for kind in KINDS: print(hashlib.sha256(height_field(Terrain.model_validate(dict(kind=kind, seed=3, difficulty=0.6))).content)"
         ".hexdigest()[:16])"
     )
     known = np.show_config(mode="dicts")["SIMD Extensions"]

@@ -4,8 +4,8 @@ import pytest
 from link.workshop import BASE, Piece, Workshop, placed
 from mjcompose.base.sink import Sink
 from mjcompose.link.source_check import check_source, repair
+from mjcompose.tree.grammar import NotMjcf
 from mjcompose.tree.parse import parse_text
-from mjcompose.tree.values import NotMjcf
 from mjcompose.tree.xml_text import to_text
 
 # What the linker reads, and what may stand there instead of a number.

@@ -83,10 +83,10 @@ from mjcompose.text.node import locate
 from mjcompose.tree import journal
 from mjcompose.tree.classes import MAIN
 from mjcompose.tree.cost import check_size, written
+from mjcompose.tree.grammar import NotMjcf
 from mjcompose.tree.journal import explained
 from mjcompose.tree.merged_settings import Adopted
 from mjcompose.tree.unit import Unit, Watch, nobody
-from mjcompose.tree.values import NotMjcf
 
 if TYPE_CHECKING:
     from mjcompose.compose.edits import ModelEdits

@@ -25,8 +25,8 @@ from mjcompose.tree.classes import ORIENTATIONS, text_in_effect
 from mjcompose.tree.select import kind_of, name_of, section_of
 
 if TYPE_CHECKING:
-    from mjcompose.compose.heights import HeightField
     from mjcompose.language.terrain import Terrain
+    from mjcompose.mujoco.heights import HeightField
 
 _BASE = 0.5
 """The thickness of the ground below its lowest place: bodies would fall through a thin one."""
@@ -55,9 +55,7 @@ def write_terrains(linking: Linking, making: ElementBuilder) -> list[MadeTerrain
 
 
 def _written(linking: Linking, node: Node, terrain: Terrain) -> MadeTerrain:
-    from mjcompose.compose.heights import made  # imports numpy
-
-    field = made(terrain)
+    field = height_field(terrain)
     content = field.content
     name = _FILE_NAME.sub("_", name_of(node) or "")
     path = portable_path(f"{ASSETS}/{name}.{hashlib.sha256(content).hexdigest()[:8]}.hfield")
@@ -70,6 +68,23 @@ def _written(linking: Linking, node: Node, terrain: Terrain) -> MadeTerrain:
     source = held(os.path.join(linking.base.directory, path))
     linking.files.append(FileUse(node, "file", path, source=source, content=content))
     return MadeTerrain(node, terrain, field)
+
+
+def height_field(terrain: Terrain) -> HeightField:
+    """Return the heights of a terrain of a recipe."""
+    from mjcompose.mujoco.heights import GroundKind, TerrainLayout, made  # imports numpy
+
+    layout = TerrainLayout(
+        [GroundKind(str(ground.kind), ground.settings()) for ground in terrain.grounds],
+        terrain.levels,
+        terrain.size,
+        cell=terrain.cell,
+        border=terrain.border,
+        seed=terrain.seed,
+        cells=terrain.cells,
+        shape=terrain.shape,
+    )
+    return made(layout)
 
 
 def _lower(linking: Linking, making: ElementBuilder, geom: Node, low: float) -> None:

@@ -19,8 +19,8 @@ from mjcompose.link import numbers
 from mjcompose.link.expansion import Copy, Within, actuators_in_order, copies_of, element_of
 from mjcompose.mujoco.arrays import JOINT_TYPES
 from mjcompose.tree.classes import Classes, childclass_of, through_frames
+from mjcompose.tree.grammar import NotMjcf
 from mjcompose.tree.unit import Unit
-from mjcompose.tree.values import NotMjcf
 
 
 def joints_in_order(unit: Unit) -> list[Holder]:

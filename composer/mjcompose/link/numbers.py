@@ -11,7 +11,8 @@ from mjcompose.base import rotation
 from mjcompose.base.rotation import Pose, Quat
 from mjcompose.base.words import numbers_text
 from mjcompose.tree.classes import ORIENTATIONS
-from mjcompose.tree.values import NotMjcf, items, real
+from mjcompose.tree.grammar import NotMjcf
+from mjcompose.tree.values import items, real
 
 RADIANS_PER_DEGREE = math.pi / 180
 

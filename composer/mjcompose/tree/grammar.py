@@ -34,6 +34,14 @@ def version_key(version: str) -> tuple[int, ...]:
     return tuple(map(int, takewhile(bool, digits)))
 
 
+class NotMjcf(ValueError):
+    """A source has something that MJCF does not have. MuJoCo refuses the model, and `check_source` says why."""
+
+
+class UnknownElement(NotMjcf, KeyError):
+    """An element at a place where MJCF has none of that name."""
+
+
 AttributeType = Literal[
     "real", "int", "bool", "keyword", "keywords", "string", "chars", "file", "name", "reference", "references"
 ]
@@ -260,14 +268,14 @@ class Grammar:
         if not rest:
             places = self._places.get(path, ())
             if len(places) != 1:
-                raise KeyError(path)
+                raise UnknownElement(path)
             return self.element(places[0])
         kind = self.element(first)
         try:
             for tag in rest.split("/"):
                 kind = kind.children[tag]
         except KeyError:
-            raise KeyError(path) from None
+            raise UnknownElement(path) from None
         return kind
 
     def section(self, tag: str) -> ElementType:

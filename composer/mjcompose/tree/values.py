@@ -12,7 +12,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.words import with_article
-from mjcompose.tree.grammar import Attribute
+from mjcompose.tree.grammar import Attribute, NotMjcf
 
 NOT_XML = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
 
@@ -97,10 +97,6 @@ INTEGER = re.compile(r"[+-]?[0-9]+", re.ASCII)
 SPACE = " \t\n\r\f\v"
 INT_MIN = -(2**31)
 INT_MAX = 2**31 - 1
-
-
-class NotMjcf(ValueError):
-    """A source writes a text where MJCF has no such value. MuJoCo refuses the model, and `check_source` says why."""
 
 
 def items(text: str) -> list[str]:

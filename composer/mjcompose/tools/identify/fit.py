@@ -157,11 +157,20 @@ def fit(problem: Problem, begin: Series | None = None) -> tuple[Problem, Solutio
         solution = _improve(whole, solution, 15, "round 2 of 3")
         whole.noise = whole.root_mean_squares(whole.errors(solution.values, solution.starts))
     solution = solve(whole, solution, 8, "round 3 of 3")
-    whole.noise = {
-        signal: max(error, 1e-9)
-        for signal, error in whole.root_mean_squares(whole.errors(solution.values, solution.starts)).items()
-    }
+    whole.noise = _noise_left(whole, solution)
     return whole, solution
+
+
+def polish(problem: Problem, solution: Solution) -> Solution:
+    """Return the solution next to another one, with the noise that it leaves. Short pieces would lead away from it."""
+    solution = solve(problem, solution, 15, "from a better place")
+    problem.noise = _noise_left(problem, solution)
+    return solution
+
+
+def _noise_left(problem: Problem, solution: Solution) -> dict[Signal, float]:
+    left = problem.root_mean_squares(problem.errors(solution.values, solution.starts))
+    return {signal: max(error, 1e-9) for signal, error in left.items()}
 
 
 def _improve(problem: Problem, solution: Solution, most: int, words: str) -> Solution:

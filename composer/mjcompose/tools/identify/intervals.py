@@ -14,7 +14,7 @@ import numpy as np
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.language.measured import DELAY
-from mjcompose.tools.identify.fit import Solution, correlation_times, solve
+from mjcompose.tools.identify.fit import Solution, correlation_times, fit, polish, solve
 from mjcompose.tools.identify.problem import Problem
 from mjcompose.tools.identify.recording import Signal
 from mjcompose.tools.identify.tables import Series
@@ -30,6 +30,8 @@ _STEEP = 2.5
 """A rise on both sides of more than this many times a parabola's is a cliff."""
 _REFITS = (-12.0, -6.0, 6.0, 12.0)
 """The distances from which a number at a cliff is fitted again, in standard deviations."""
+_MOST_MOVES = 4
+"""How often a fit goes on from a better place near its minimum."""
 _AS_GOOD = 4.0
 """A difference of the cost that noise explains: two standard deviations of one number."""
 
@@ -81,6 +83,17 @@ class _Weights(Struct, eq=False):
         scaled = np.linalg.pinv(hessian * scale[:, None] * scale, hermitian=True)
         covariance: Series = scale[:, None] * scaled * scale
         return covariance
+
+
+def fit_and_know(problem: Problem) -> tuple[Problem, Solution, Knowledge]:
+    """Return the problem with its noise, the best fit near the first one, and the knowledge of it."""
+    found, solution = fit(problem)
+    for again in range(_MOST_MOVES + 1):
+        knowledge, better = know(found, solution, may_move=again < _MOST_MOVES)
+        if better is None:
+            break
+        solution = polish(found, better)
+    return found, solution, knowledge
 
 
 def know(problem: Problem, solution: Solution, *, may_move: bool) -> tuple[Knowledge, Solution | None]:
@@ -155,12 +168,13 @@ def _look_behind_cliffs(
         lowest = float(rises.min())
         if lowest < 1:  # flatter than a parabola: the interval ends where the cost has risen enough
             factors[index] = 1 / math.sqrt(max(lowest, 1 / 16))
-        if not (rises.min(axis=1) > _STEEP).all():
+        if rises.max() < _STEEP:
             continue
         std = math.sqrt(whole[index, index])
+        reach = float(factors[index]) * std
         problem.settings.progress(f"the errors jump around {problem.unknowns[index].word}")
         for distance in _REFITS:
-            begin = solution.point + distance * whole[:, index] / std
+            begin = solution.point + distance * reach * whole[:, index] / whole[index, index]
             values = np.clip(begin[:count], problem.low, problem.high)
             tried = solve(problem, Solution(values, begin[count:]), 4, "behind a cliff")
             reached = weights.cost(problem.residual(tried.point))

@@ -12,8 +12,8 @@ import numpy as np
 
 from mjcompose.mujoco.fingerprint import fingerprints
 from mjcompose.tools.identify.curves import curves_of
-from mjcompose.tools.identify.fit import Solution, choose_window, fit, fit_starts, with_window
-from mjcompose.tools.identify.intervals import LITTLE, Knowledge, Verdict, know, verdicts
+from mjcompose.tools.identify.fit import choose_window, fit_starts, with_window
+from mjcompose.tools.identify.intervals import LITTLE, Verdict, fit_and_know, verdicts
 from mjcompose.tools.identify.problem import FitSettings, Problem
 from mjcompose.tools.identify.recording import Recording, Signal, read_recording
 from mjcompose.tools.identify.tables import RecordingFault, Series, SizeLimits
@@ -22,9 +22,6 @@ from mjcompose.tools.identify.unknowns import UnknownNumber, unknowns_of
 if TYPE_CHECKING:
     from mjcompose.mujoco.model_types import MjModel
 
-_MOST_FITS = 2
-"""How often a fit begins again from a better place near its minimum."""
-
 
 def fit_recordings(mujoco: Any, model: MjModel, asked: dict[str, Any]) -> dict[str, Any]:
     """Return the fitted numbers with all that is known of them, or a `fault`; runs under `engine.call`."""
@@ -32,7 +29,7 @@ def fit_recordings(mujoco: Any, model: MjModel, asked: dict[str, Any]) -> dict[s
     try:
         problem, held_out = _opened(mujoco, model, asked)
         of_recipe = _errors_of_recipe(problem)
-        problem, solution, knowledge = _fit(problem)
+        problem, solution, knowledge = fit_and_know(problem)
     except RecordingFault as fault:
         return {"fault": _fault_data(fault)}
     errors = {"recipe": of_recipe, "fitted": problem.errors(solution.values, solution.starts)}
@@ -157,16 +154,6 @@ def _errors_of_recipe(problem: Problem) -> list[Series]:
 def _followed(problem: Problem, values: Series) -> list[Series]:
     """Return the errors of each piece with the best starts."""
     return problem.errors(values, fit_starts(problem, values))
-
-
-def _fit(problem: Problem) -> tuple[Problem, Solution, Knowledge]:
-    found, solution = fit(problem)
-    for again in range(_MOST_FITS):
-        knowledge, better = know(found, solution, may_move=again + 1 < _MOST_FITS)
-        if better is None:
-            break
-        found, solution = fit(problem, better.values)
-    return found, solution, knowledge
 
 
 def _fault_data(fault: RecordingFault) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -17,12 +17,34 @@ from numpy.typing import NDArray
 
 from mjcompose.base import array_math
 from mjcompose.base.dataclass import Struct
-from mjcompose.language.terrain import Ground, Terrain, between
 
 Heights = NDArray[np.float64]
 _VERSION = "mjcompose terrain 1"
 _DIGITS = 6
 """Heights are whole micrometers."""
+
+
+class GroundKind(Struct):
+    """A kind of ground, and its numbers by key; two numbers are the values at the difficulties 0 and 1."""
+
+    kind: str
+    settings: Mapping[str, Any]
+
+
+class TerrainLayout(Struct):
+    """The numbers of a terrain: lengths in meters, `cells` along x and y of a patch, `shape` of all heights.
+
+    There is a ground for each column of patches, and a difficulty for each row.
+    """
+
+    grounds: Sequence[GroundKind]
+    levels: Sequence[float]
+    size: Sequence[float]
+    cell: float
+    border: float
+    seed: int
+    cells: tuple[int, int]
+    shape: tuple[int, int]
 
 
 class Patch(Struct):
@@ -42,7 +64,8 @@ class Patch(Struct):
         return numbers.reshape(rows, columns)
 
     def at(self, ends: tuple[float, ...]) -> float:
-        return between(ends, self.difficulty)
+        """Return the value at the difficulty."""
+        return ends[0] + self.difficulty * (ends[-1] - ends[0])
 
     @property
     def distance(self) -> Heights:
@@ -161,7 +184,7 @@ def _edge(kind: str, heights: Heights, is_edge: NDArray[np.bool_]) -> float:
     return 0.0
 
 
-def _patch(terrain: Terrain, ground: Ground, row: int, column: int) -> Heights:
+def _patch(terrain: TerrainLayout, ground: GroundKind, row: int, column: int) -> Heights:
     """Return the heights of one patch; a row of the array has one y."""
     along_x, along_y = terrain.cells
     # From the middle: a patch is as symmetric as its kind.
@@ -171,11 +194,11 @@ def _patch(terrain: Terrain, ground: Ground, row: int, column: int) -> Heights:
     difficulty = terrain.levels[row]
     identity = (terrain.seed, ground.kind, row, column, round(difficulty * 1e6))
     patch = Patch(x, y, terrain.cell, difficulty=difficulty, identity=identity)
-    heights = _MAKERS[str(ground.kind)](patch, **ground.settings())
+    heights = _MAKERS[ground.kind](patch, **ground.settings)
     inner = terrain.border + terrain.cell / 2
     is_edge = (np.abs(x) > terrain.size[0] / 2 - inner) | (np.abs(y) > terrain.size[1] / 2 - inner)
     if terrain.border:
-        heights = np.where(is_edge, _edge(str(ground.kind), heights, is_edge), heights)
+        heights = np.where(is_edge, _edge(ground.kind, heights, is_edge), heights)
     return np.round(heights, _DIGITS) + 0.0
 
 
@@ -204,14 +227,14 @@ class HeightField(Struct):
         return np.array(shares.shape, "<i4").tobytes() + shares.astype("<f4").tobytes()
 
 
-def made(terrain: Terrain) -> HeightField:
+def made(terrain: TerrainLayout) -> HeightField:
     """Return the height field of a terrain."""
     grounds = terrain.grounds
     along_x, along_y = terrain.cells
     length, width = terrain.size
     heights = np.zeros(terrain.shape)
-    origins = np.zeros((terrain.rows, len(grounds), 3))
-    for row in range(terrain.rows):
+    origins = np.zeros((len(terrain.levels), len(grounds), 3))
+    for row in range(len(terrain.levels)):
         for column, ground in enumerate(grounds):
             patch = _patch(terrain, ground, row, column)
             # Patches share the heights between them; the next one counts.
@@ -219,6 +242,6 @@ def made(terrain: Terrain) -> HeightField:
             start_x = column * along_x
             heights[start_y : start_y + along_y + 1, start_x : start_x + along_x + 1] = patch
             x = (column + 0.5 - len(grounds) / 2) * length
-            y = (row + 0.5 - terrain.rows / 2) * width
+            y = (row + 0.5 - len(terrain.levels) / 2) * width
             origins[row, column] = x, y, patch[along_y // 2, along_x // 2]
     return HeightField(heights, origins)
