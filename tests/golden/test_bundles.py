@@ -105,5 +105,9 @@ def test_manifest() -> None:
     assert text == file.read_text(encoding="utf-8")
 
 
+WITHOUT_A_LINE = ("recipes/menagerie_so101",)
+"""Recipes with a robot that the corpus does not have."""
+
+
 def test_every_bundle_has_a_line() -> None:
-    assert list(expected()) == list(CASES)
+    assert list(expected()) == [name for name in CASES if name not in WITHOUT_A_LINE]

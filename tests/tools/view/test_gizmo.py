@@ -282,7 +282,7 @@ def test_what_is_computed_or_changed_elsewhere_is_refused(folder: Path, open_pag
         page.evaluate(
             "mjcompose.select({kind: 'body', index: mjcompose.world.model.scene.body.name.indexOf('cube/cube')}, true)"
         )
-        page.get_by_label("parameter x").fill("0.3")
+        page.get_by_label("parameter x", exact=True).fill("0.3")
         assert "`pos` is computed: `${x}`" in page.locator(".gizmo .words").inner_text()
         page.keyboard.press("Enter")
         assert hand.changed(recipe) == recipe.replace("params: {x: 0.15}", "params: {x: 0.3}")
