@@ -183,7 +183,7 @@ MARKED = [
     ("add: [{to: world, geom: {typ: box}}]", 25, "typ is not allowed"),
     ("asset: {mesh: {m: {scale: [1, 1]}}}", 26, "too few items"),
     ("attach: {arm: {site: s}}", 9, 'Missing property "model"'),
-    ("edit: [{select: {joint: a}, set: {dampin: 1}}]", 34, "dampin is not allowed"),
+    ("edit: [{select: {joint: a}, set: {dampin: 1}}]", 42, "not an attribute of these elements"),
     ("edit: [{select: {geom: a}, set: {rgba: [1, 0, 0]}}]", 39, "too few items"),
     ("edit: [{select: {actuator: a}, convert: {to: motor, kp: 1}}]", 52, "kp is not allowed"),
 ]

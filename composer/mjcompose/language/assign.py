@@ -265,7 +265,10 @@ TAGS = (
 )
 
 
-_REMOVED: Schema = {"type": "null"}
+_REMOVED: Schema = {
+    "type": "null",
+    "errorMessage": "not an attribute of these elements; only `null` is allowed, which removes it from a source",
+}
 """The value of an attribute that MJCF does not have: an edit may remove it from a file that has it."""
 
 

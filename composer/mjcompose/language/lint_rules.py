@@ -82,6 +82,7 @@ FAMILY_RULES = {
         "unread-by-newton",
         "unread-by-pinocchio",
         "unread-by-pybullet",
+        "unread-by-ros2",
         "unread-by-urdf",
         "unread-by-warp",
     ),

@@ -7,10 +7,11 @@ entries, and `mjcompose import` writes them into a recipe.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import Struct
-from mjcompose.text.dump import Data, in_brackets
 from mjcompose.tree.classes import MAIN, given
 from mjcompose.tree.edit import can_do_without, is_section
 from mjcompose.tree.grammar import Attribute
@@ -18,6 +19,9 @@ from mjcompose.tree.pattern import EVERYTHING, paths_of
 from mjcompose.tree.select import kind_of, name_of, section_of
 from mjcompose.tree.unit import Unit
 from mjcompose.tree.values import may_be_angle
+
+if TYPE_CHECKING:
+    from mjcompose.text.dump import Data
 
 _BY_TYPE = ("sensor", "actuator", "equality", "tendon")
 """Sections of a recipe whose entries have a `type`. The entries of `contact` are below their tag."""
@@ -32,6 +36,8 @@ class Correction(Struct):
     @property
     def text(self) -> str:
         """The entry as a recipe writes it on one line."""
+        from mjcompose.text.dump import in_brackets  # imports yaml, and only an error needs it
+
         return f"{self.key}: {in_brackets([self.entry])}"
 
 
@@ -100,6 +106,8 @@ def added_again(node: Node, attribute: str, namespace: str, target: str, unit: U
         entry = {name: {"type": str(node.tag), **values}}
     else:
         return None
+    from mjcompose.text.dump import in_brackets  # imports yaml, and only an error needs it
+
     return f"{section}: {in_brackets(entry)}"
 
 

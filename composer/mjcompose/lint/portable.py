@@ -24,6 +24,7 @@ _PROGRAMS = {
     "genesis": "Genesis",
     "isaac": "Isaac Sim",
     "urdf": "URDF",
+    "ros2": "ROS 2",
 }
 """By the target of mjcompose, the name in summaries."""
 

@@ -12,7 +12,7 @@ from contextlib import suppress
 from dataclasses import field, replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.diagnostic import Diagnostic, Note, Severity, Span
@@ -90,6 +90,17 @@ def _offline(folder: Path) -> Context:
 
 def _with(texts: Mapping[str, bytes], path: Path, text: str) -> dict[str, bytes]:
     return {**texts, os.path.realpath(path): text.encode("utf-8", "replace")}
+
+
+def once(diagnostics: Iterable[Diagnostic]) -> list[Diagnostic]:
+    """Return one diagnostic for each fault: a recipe may know more ways to correct a file than the file alone."""
+    fullest: dict[tuple[Any, ...], Diagnostic] = {}
+    for diagnostic in diagnostics:
+        fault = (diagnostic.code, diagnostic.severity, diagnostic.message, diagnostic.span, diagnostic.notes)
+        known = fullest.get(fault)
+        if known is None or len(str(diagnostic.help or "")) > len(str(known.help or "")):
+            fullest[fault] = diagnostic
+    return list(fullest.values())
 
 
 def _has_errors(found: Iterable[Diagnostic]) -> bool:
@@ -557,7 +568,7 @@ class Desk:
         before = self._reported.get(path, {})
         self._reported[path] = dict(files)
         for file in dict.fromkeys([*before, *files]):
-            self._publish(Path(os.path.normpath(self.folder / file)), list(dict.fromkeys(self._found(file))))
+            self._publish(Path(os.path.normpath(self.folder / file)), once(self._found(file)))
         if path not in self.documents:
             self._reported.pop(path, None)
 

@@ -21,7 +21,6 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.targets.plain import text
 from mjcompose.targets.target import Draft, FeatureOutcome, write_mjcf
 from mjcompose.targets.urdf import description, meshes, package_name, semantics, title, write_xml
-from mjcompose.text.dump import to_yaml
 
 
 class _Drive(Struct):
@@ -394,6 +393,8 @@ def _identifier(name: str) -> str:
 
 
 def _parameters(draft: Draft, controllers: Mapping[str, Mapping[str, Any]]) -> bytes:
+    from mjcompose.text.dump import to_yaml  # imports yaml
+
     rate = int(min(_FASTEST, round(1 / draft.model.opt.timestep)))
     documents: dict[str, Any] = {"controller_manager": {"ros__parameters": {"update_rate": rate}}}
     documents |= {name: {"ros__parameters": dict(settings)} for name, settings in controllers.items()}

@@ -7,6 +7,7 @@ import mujoco
 import pytest
 from mjcompose import mjcf
 from mjcompose.mjcf import MjcfError, RootElement
+from mjcompose.mujoco.attributes import save_digits
 
 
 def test_a_composition_as_a_spec(arm: RootElement, gripper: RootElement) -> None:
@@ -80,6 +81,7 @@ def test_numbers_of_a_spec_are_kept_to_the_last_bit() -> None:
 
 @_EXACT
 def test_digits_that_mujoco_does_not_write_are_told() -> None:
+    save_digits(mujoco, 6)  # MuJoCo's default is of the whole process, and another test may have changed it
     body = '<worldbody><body name="b" pos="0.123456789 0 0">{}<geom size="1"/></body></worldbody>'
     inertia = '<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>'
     spec = mujoco.MjSpec.from_string(f'<mujoco><compiler inertiafromgeom="true"/>{body.format("")}</mujoco>')
