@@ -27,7 +27,7 @@ _DISTANCES = (1.0, 2.0, 4.0)
 _FLAT = 0.125
 """A rise of the cost below this share of a parabola's is flat."""
 _STEEP = 2.5
-"""A rise on both sides of more than this many times a parabola's is a cliff."""
+"""A rise of more than this many times a parabola's, on one side or on both, is a cliff."""
 _REFITS = (-12.0, -6.0, 6.0, 12.0)
 """The distances from which a number at a cliff is fitted again, in standard deviations."""
 _MOST_MOVES = 4
@@ -171,10 +171,9 @@ def _look_behind_cliffs(
         if rises.max() < _STEEP:
             continue
         std = math.sqrt(whole[index, index])
-        reach = float(factors[index]) * std
         problem.settings.progress(f"the errors jump around {problem.unknowns[index].word}")
         for distance in _REFITS:
-            begin = solution.point + distance * reach * whole[:, index] / whole[index, index]
+            begin = solution.point + distance * whole[:, index] / std
             values = np.clip(begin[:count], problem.low, problem.high)
             tried = solve(problem, Solution(values, begin[count:]), 4, "behind a cliff")
             reached = weights.cost(problem.residual(tried.point))
