@@ -8,10 +8,10 @@ so every control of `model.xml` is a position, velocity or force at a joint.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections import Counter
+from collections.abc import Mapping
 from os.path import commonprefix
 from typing import Any
-from xml.sax.saxutils import escape
 
 import numpy as np
 from lxml import etree
@@ -20,7 +20,7 @@ from lxml.etree import _Element as Node
 from mjcompose.base.dataclass import Struct
 from mjcompose.targets.plain import text
 from mjcompose.targets.target import Draft, FeatureOutcome, write_mjcf
-from mjcompose.targets.urdf import description, meshes, package_name, semantics, title, write_xml
+from mjcompose.targets.urdf import description, meshes, package_name, ros_package, semantics, title, write_xml
 
 
 class _Drive(Struct):
@@ -72,70 +72,75 @@ def refuse_actuators(draft: Draft) -> None:
     """Refuse actuators with which `mujoco_ros2_control` does not start, or reads the state of a wrong joint."""
     transmissions = draft.mujoco.mjtTrn
     known = (int(transmissions.mjTRN_JOINT), int(transmissions.mjTRN_TENDON))
+    couplings = _Couplings.of(draft)
     for number, node in draft.of("actuator"):
         if int(draft.model.actuator_trntype[number]) not in known:
             why = "mujoco_ros2_control knows actuators of joints and tendons"
-        elif _moved(draft, number, node) is None:
+        elif couplings.moved(draft, number, node) is None:
             why = "mujoco_ros2_control moves a tendon only if equalities make one joint lead all of its joints"
         else:
             continue
         draft.lose("actuators", node, why, outcome=FeatureOutcome.REFUSED, help="`drop` it in a recipe for ROS")
 
 
-def _moved(draft: Draft, number: int, node: Node) -> tuple[str, float, float] | None:
-    """Return the joint that an actuator moves, and how its length follows: the ratio and the offset."""
-    model = draft.model
-    gear = float(model.actuator_gear[number][0])
-    if node.get("joint"):
-        return str(node.get("joint")), gear, 0.0
-    tendon = next((each for _, each in draft.of("tendon") if each.get("name") == node.get("tendon")), None)
-    if tendon is None or tendon.tag != "fixed":
-        return None
-    leaders = _leaders(draft)
-    ratio = 0.0
-    offset = 0.0
-    joints = set()
-    for wrap in tendon.iterchildren("joint"):
-        joint = str(wrap.get("joint"))
-        leader, slope, start = leaders.get(joint, (joint, 1.0, 0.0))
-        joints.add(leader)
-        ratio += gear * float(str(wrap.get("coef"))) * slope
-        offset += gear * float(str(wrap.get("coef"))) * start
-    return (joints.pop(), ratio, offset) if len(joints) == 1 and ratio else None
+class _Couplings(Struct):
+    """Couplings of joints: fixed tendons by name, and for each follower its leader, the slope, and its place at 0."""
 
+    tendons: Mapping[str, Node]
+    leaders: Mapping[str, tuple[str, float, float]]
 
-def _leaders(draft: Draft) -> dict[str, tuple[str, float, float]]:
-    """Return for each joint that follows another in proportion: the other, the slope, and its position at zero."""
-    model = draft.model
-    zeros = {
-        str(joint.get("name")): float(model.qpos0[model.jnt_qposadr[number]]) for number, joint in draft.of("joint")
-    }
-    leaders: dict[str, tuple[str, float, float]] = {}
-    for number, node in draft.of("equality"):
-        start, slope, *higher = model.eq_data[number][:5].tolist()
-        leader = node.get("joint2")
-        follower = str(node.get("joint1"))
-        if node.tag == "joint" and leader and model.eq_active0[number] and not any(higher) and slope:
-            leaders[follower] = str(leader), slope, zeros[follower] + start - slope * zeros[str(leader)]
-    return leaders
+    @classmethod
+    def of(cls, draft: Draft) -> _Couplings:
+        model = draft.model
+        tendons = {str(node.get("name")): node for _, node in draft.of("tendon") if node.tag == "fixed"}
+        zeros = {
+            str(joint.get("name")): float(model.qpos0[model.jnt_qposadr[number]]) for number, joint in draft.of("joint")
+        }
+        leaders: dict[str, tuple[str, float, float]] = {}
+        for number, node in draft.of("equality"):
+            start, slope, *higher = model.eq_data[number][:5].tolist()
+            leader = node.get("joint2")
+            follower = str(node.get("joint1"))
+            if node.tag == "joint" and leader and model.eq_active0[number] and not any(higher) and slope:
+                leaders[follower] = str(leader), slope, zeros[follower] + start - slope * zeros[str(leader)]
+        return cls(tendons, leaders)
+
+    def moved(self, draft: Draft, number: int, actuator: Node) -> tuple[str, float, float] | None:
+        """Return the joint that an actuator moves, and how its length follows: the ratio and the offset."""
+        gear = float(draft.model.actuator_gear[number][0])
+        if actuator.get("joint"):
+            return str(actuator.get("joint")), gear, 0.0
+        tendon = self.tendons.get(str(actuator.get("tendon")))
+        if tendon is None:
+            return None
+        ratio = 0.0
+        offset = 0.0
+        joints = set()
+        for wrap in tendon.iterchildren("joint"):
+            joint = str(wrap.get("joint"))
+            leader, slope, start = self.leaders.get(joint, (joint, 1.0, 0.0))
+            joints.add(leader)
+            ratio += gear * float(str(wrap.get("coef"))) * slope
+            offset += gear * float(str(wrap.get("coef"))) * start
+        return (joints.pop(), ratio, offset) if len(joints) == 1 and ratio else None
 
 
 def move_controls_to_joints(draft: Draft) -> None:
     """Write each control in the unit of the joint that it moves; the forces stay the same."""
-    for drive in _drives(draft):
+    for drive in _drives(draft, _Couplings.of(draft)):
         _scale(draft, drive)
 
 
-def _drives(draft: Draft) -> list[_Drive]:
+def _drives(draft: Draft, couplings: _Couplings) -> list[_Drive]:
     """Return the actuators that ROS can command. Others, such as muscles, keep the control zero and are a loss."""
     drives = []
     for number, node in draft.of("actuator"):
-        moved = _moved(draft, number, node)
+        moved = couplings.moved(draft, number, node)
         interface = _interface(draft, number)
         if moved is not None and interface is not None:
             drives.append(_Drive(number, node, moved[0], interface, ratio=moved[1], offset=moved[2]))
-    joints = [drive.joint for drive in drives]
-    return [drive for drive in drives if joints.count(drive.joint) == 1]
+    counts = Counter(drive.joint for drive in drives)
+    return [drive for drive in drives if counts[drive.joint] == 1]
 
 
 def _interface(draft: Draft, number: int) -> str | None:
@@ -236,8 +241,9 @@ def _move(key: Node, name: str, index: int, slope: float, start: float) -> None:
 def commands(draft: Draft) -> list[JointCommand]:
     """Return the commands of the joints, and record the actuators that ROS cannot command."""
     model = draft.model
-    drives = _drives(draft)
-    followed = {leader for leader, _, _ in _leaders(draft).values()}
+    couplings = _Couplings.of(draft)
+    drives = _drives(draft, couplings)
+    followed = {leader for leader, _, _ in couplings.leaders.values()}
     commandable = {drive.number for drive in drives}
     for number, node in draft.of("actuator"):
         if number not in commandable:
@@ -401,28 +407,7 @@ def _parameters(draft: Draft, controllers: Mapping[str, Mapping[str, Any]]) -> b
     return to_yaml(documents).encode()
 
 
-_PACKAGE = """<?xml version="1.0"?>
-<package format="3">
-  <name>{name}</name>
-  <version>0.0.0</version>
-  <description>{title}, written by mjcompose</description>
-  <maintainer email="nobody@example.org">nobody</maintainer>
-  <license>see LICENSES</license>
-  <buildtool_depend>ament_cmake</buildtool_depend>
-{depends}
-  <export><build_type>ament_cmake</build_type></export>
-</package>
-"""
 _DEPENDS = ("controller_manager", "launch", "launch_ros", "mujoco_ros2_control", "robot_state_publisher", "xacro")
-
-_CMAKE = """cmake_minimum_required(VERSION 3.8)
-project({name})
-find_package(ament_cmake REQUIRED)
-install(FILES model.xml model.urdf model.srdf DESTINATION share/${{PROJECT_NAME}})
-install(DIRECTORY assets DESTINATION share/${{PROJECT_NAME}} OPTIONAL)
-install(DIRECTORY config launch DESTINATION share/${{PROJECT_NAME}})
-ament_package()
-"""
 
 _LAUNCH = '''"""Start the simulation and the controllers: `ros2 launch {package} simulate.launch.py`."""
 
@@ -463,11 +448,8 @@ def generate_launch_description():
 '''
 
 
-def _in_simulation(draft: Draft) -> Iterator[int]:
-    """Yield the places of losses of the URDF that matter to nobody, because `model.xml` has these values."""
-    for at, loss in enumerate(draft.losses):
-        if loss.feature in ("armature", "keys"):
-            yield at
+_IN_SIMULATION = ("armature", "keys")
+"""Features that the URDF lacks, to nobody's loss: `model.xml` has them."""
 
 
 def write_ros2(draft: Draft) -> dict[str, bytes]:
@@ -476,19 +458,17 @@ def write_ros2(draft: Draft) -> dict[str, bytes]:
     simulated = write_mjcf(draft)
     driven = commands(draft)
     sensors = _sensors(draft)
-    for number, camera in enumerate(draft.elements["camera"]):
-        if number < draft.model.ncam:
-            draft.lose("cameras", camera, "add the plugin `CameraPlugin` of mujoco_ros2_control")
+    for _, camera in draft.of("camera"):
+        draft.lose("cameras", camera, "add the plugin `CameraPlugin` of mujoco_ros2_control")
     described = description(draft, package)
     system = _system(draft, package, described.joints, driven)
     _add_sensors(system, sensors)
     described.robot.append(system)
     semantic = semantics(draft, title(draft), described.links, joints=described.joints)
-    for at in reversed(list(_in_simulation(draft))):
-        del draft.losses[at]
+    draft.losses[:] = [loss for loss in draft.losses if loss.feature not in _IN_SIMULATION]
     controllers = _controllers(draft, driven, sensors)
-    kinds = sorted({str(settings["type"]).partition("/")[0] for settings in controllers.values()})
-    depends = "\n".join(f"  <exec_depend>{name}</exec_depend>" for name in sorted({*_DEPENDS, *kinds}))
+    plugins = {str(settings["type"]).partition("/")[0] for settings in controllers.values()}
+    depends = [("buildtool_depend", "ament_cmake"), *(("exec_depend", name) for name in sorted({*_DEPENDS, *plugins}))]
     launch = _LAUNCH.format(package=package, controllers=list(controllers))
     return {
         **simulated,
@@ -497,6 +477,5 @@ def write_ros2(draft: Draft) -> dict[str, bytes]:
         "model.srdf": semantic,
         "config/controllers.yaml": _parameters(draft, controllers),
         "launch/simulate.launch.py": launch.encode(),
-        "package.xml": _PACKAGE.format(name=package, title=escape(title(draft)), depends=depends).encode(),
-        "CMakeLists.txt": _CMAKE.format(name=package).encode(),
+        **ros_package(draft, ["model.xml", "model.urdf", "model.srdf"], folders=["config", "launch"], depends=depends),
     }

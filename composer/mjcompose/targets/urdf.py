@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 from xml.sax.saxutils import escape
 
@@ -313,16 +313,32 @@ _PACKAGE = """<?xml version="1.0"?>
   <description>{title}, written by mjcompose</description>
   <maintainer email="nobody@example.org">nobody</maintainer>
   <license>see LICENSES</license>
-  <export><build_type>ament_cmake</build_type></export>
+{depends}  <export><build_type>ament_cmake</build_type></export>
 </package>
 """
 _CMAKE = """cmake_minimum_required(VERSION 3.8)
 project({name})
 find_package(ament_cmake REQUIRED)
-install(FILES model.urdf model.srdf DESTINATION share/${{PROJECT_NAME}})
+install(FILES {files} DESTINATION share/${{PROJECT_NAME}})
 install(DIRECTORY assets DESTINATION share/${{PROJECT_NAME}} OPTIONAL)
-ament_package()
+{folders}ament_package()
 """
+
+
+def ros_package(
+    draft: Draft, files: Sequence[str], *, folders: Sequence[str] = (), depends: Iterable[tuple[str, str]] = ()
+) -> dict[str, bytes]:
+    """Return the files that make a ROS package of `files`, `folders` and the meshes, by path.
+
+    `depends` has the tags and the names of packages that it needs.
+    """
+    name = package_name(title(draft))
+    needed = "".join(f"  <{tag}>{package}</{tag}>\n" for tag, package in depends)
+    more = f"install(DIRECTORY {' '.join(folders)} DESTINATION share/${{PROJECT_NAME}})\n" if folders else ""
+    return {
+        "package.xml": _PACKAGE.format(name=name, title=escape(title(draft)), depends=needed).encode(),
+        "CMakeLists.txt": _CMAKE.format(name=name, files=" ".join(files), folders=more).encode(),
+    }
 
 
 class RobotDescription(Struct):
@@ -382,8 +398,7 @@ def write_urdf(draft: Draft) -> dict[str, bytes]:
     return {
         draft.output: write_xml(described.robot),
         "model.srdf": semantics(draft, title(draft), described.links, joints=described.joints),
-        "package.xml": _PACKAGE.format(name=package, title=escape(title(draft))).encode(),
-        "CMakeLists.txt": _CMAKE.format(name=package).encode(),
+        **ros_package(draft, ["model.urdf", "model.srdf"]),
         **meshes(draft),
     }
 
