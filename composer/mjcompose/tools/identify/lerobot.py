@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 
 from mjcompose.tools.identify.files import INFO, ReadingKeys, RecordedFile, damaged, opened, together
-from mjcompose.tools.identify.parquet import arrow, batches, check_count, floats
-from mjcompose.tools.identify.tables import RecordedTable, RecordingFault, Series, SizeLimits
+from mjcompose.tools.identify.parquet import arrow, batches, floats
+from mjcompose.tools.identify.tables import RecordedTable, RecordingFault, Series, SizeLimits, check_count
 
 STATE = "observation.state"
 ACTION = "action"

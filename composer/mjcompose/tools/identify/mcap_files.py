@@ -16,8 +16,7 @@ from typing import Any
 import numpy as np
 
 from mjcompose.tools.identify.files import ReadingKeys, RecordedFile, damaged, not_installed, opened, together
-from mjcompose.tools.identify.parquet import check_count
-from mjcompose.tools.identify.tables import RecordedTable, RecordingFault, SizeLimits, too_large
+from mjcompose.tools.identify.tables import RecordedTable, RecordingFault, SizeLimits, check_count, too_large
 
 _KIND = "an MCAP file"
 _LARGEST = 256 << 20

@@ -15,8 +15,8 @@ from mjcompose.tools.identify.tables import (
     RecordingFault,
     Series,
     SizeLimits,
+    check_count,
     check_new,
-    too_large,
     with_clock,
 )
 
@@ -104,11 +104,6 @@ def batches(
         count += batch.num_rows * len(names)
         check_count(count, limits)
         yield batch
-
-
-def check_count(count: int, limits: SizeLimits) -> None:
-    if count > limits.numbers:
-        raise too_large("numbers", count, limits)
 
 
 def floats(pyarrow: Any, column: Any) -> Series:

@@ -95,6 +95,12 @@ def too_large(what: str, count: int, limits: SizeLimits) -> RecordingFault:
     return RecordingFault("limit-exceeded", f"it has {count} {what}; {most} are allowed", help)
 
 
+def check_count(count: int, limits: SizeLimits) -> None:
+    """Refuse more numbers than the limits allow."""
+    if count > limits.numbers:
+        raise too_large("numbers", count, limits)
+
+
 def with_clock(columns: dict[str, Series], lines: npt.NDArray[np.int64] | None = None) -> RecordedTable:
     """Return the table of columns, one of which has the time. Raises RecordingFault."""
     clock = next((name for name in CLOCKS if name in columns), None)
@@ -121,8 +127,7 @@ def read_csv(file: BufferedReader, limits: SizeLimits) -> RecordedTable:
                     continue
                 rows.append(_numbers(row, header, reader.line_num))
                 lines.append(reader.line_num)
-                if len(rows) * len(header) > limits.numbers:
-                    raise too_large("numbers", len(rows) * len(header), limits)
+                check_count(len(rows) * len(header), limits)
         except UnicodeDecodeError:
             raise RecordingFault("recording-kind", "it is not text in UTF-8", "save it as UTF-8") from None
         except csv.Error as error:
@@ -199,8 +204,7 @@ def read_npz(file: BufferedReader, limits: SizeLimits) -> RecordedTable:
                     help = "store one array for each joint: `qpos NAME`"
                     raise RecordingFault(_CODE, f"`{name}` has {len(shape)} dimensions, not 1", help)
                 total += shape[0]
-                if total > limits.numbers:
-                    raise too_large("numbers", total, limits)
+                check_count(total, limits)
                 with archive.open(entry) as array:
                     columns[name] = np.lib.format.read_array(array, allow_pickle=False).astype(float)
     except _NOT_NPZ as error:
