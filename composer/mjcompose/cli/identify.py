@@ -146,32 +146,29 @@ def _write(out: Path, option: str, text: str, request: FitRequest) -> None:
 
 
 def _plan(request: FitRequest, run: Run, numbers: list[dict[str, Any]] | None) -> Answer:
+    from mjcompose.tools.identify.words import number_words
+
     found = run.need(numbers, request.recipe)
-    width = max(len(_word(number)) for number in found)
+    width = max(len(number_words(number)) for number in found)
     lines = [
-        f"{_word(number):{width}}  ± {number['prior']:<8.3g} now, ± {number['std']:<8.3g} after"
+        f"{number_words(number):{width}}  ± {number['prior']:<8.3g} now, ± {number['std']:<8.3g} after"
         + (", little is learned" if number["little"] else "")
         for number in found
     ]
     return Answer("\n".join(line.rstrip() for line in lines), {"numbers": found})
 
 
-def _word(number: Mapping[str, Any]) -> str:
-    return f"{number['kind']} {', '.join(number['names'])}: {number['attribute']}"
-
-
 def _lines(data: Mapping[str, Any]) -> Iterator[str]:
+    from mjcompose.tools.identify.words import error_words, half_interval, number_words, verdict_words
+
     count = counted(len(data["numbers"]), "number")
     yield f"{count} in {data['seconds']:.0f} s, {data['simulated_steps']} simulated steps"
-    width = max(len(_word(number)) for number in data["numbers"])
+    width = max(len(number_words(number)) for number in data["numbers"])
     for number in data["numbers"]:
-        words = number["verdict"].replace("_", " ")
+        words = verdict_words(number["verdict"])
         verdict = f"  {words}: {number['reason']}" if words else ""
-        deviation = 1.96 * number["std"]
-        value = f"{number['value']:10.5g} ± {deviation:<9.2g}"
-        yield f"  {_word(number):{width}}  {value} recipe {number['recipe']:<9.4g}{verdict}".rstrip()
+        value = f"{number['value']:10.5g} ± {half_interval(number):<9.2g}"
+        yield f"  {number_words(number):{width}}  {value} recipe {number['recipe']:<9.4g}{verdict}".rstrip()
     width = max(len(error["signal"]) for error in data["errors"])
     for error in data["errors"]:
-        held = error["held_out"]
-        out = f", held out {held['recipe']:.3g} → {held['fitted']:.3g}" if held else ""
-        yield f"  {error['signal']:{width}}  error {error['recipe']:.3g} → {error['fitted']:.3g}{out}"
+        yield f"  {error['signal']:{width}}  {error_words(error)}"

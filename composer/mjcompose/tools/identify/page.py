@@ -14,6 +14,7 @@ from mjcompose.base.report import printable
 from mjcompose.base.words import counted
 from mjcompose.tools.identify.file import rounded
 from mjcompose.tools.identify.judgment import FitFinding, findings_of
+from mjcompose.tools.identify.words import error_words, half_interval, number_words, verdict_words
 
 _POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; form-action 'none'; base-uri 'none'"
 _WIDTH = 2000
@@ -86,7 +87,7 @@ def _facts(data: Mapping[str, Any]) -> Iterator[str]:
     yield f"{len(measured)} of {counted(len(numbers), 'number')} {'is' if len(measured) == 1 else 'are'} measured."
     for word in dict.fromkeys(number["verdict"] for number in numbers if number["verdict"]):
         places = [_link(index) for index, number in enumerate(numbers) if number["verdict"] == word]
-        yield f"{_text(_spaced(word)).capitalize()}: {', '.join(places)}."
+        yield f"{_text(verdict_words(word)).capitalize()}: {', '.join(places)}."
     held = [error["held_out"] for error in data["errors"] if error["held_out"]]
     for about, errors in (("the recordings", data["errors"]), ("what was held out", held)):
         ratios = [error["recipe"] / error["fitted"] for error in errors if error["fitted"]]
@@ -118,18 +119,12 @@ def _motion(data: Mapping[str, Any], curves: Sequence[Mapping[str, Any]]) -> Ite
     for signal in dict.fromkeys(curve["signal"] for curve in curves):
         yield f"<h3>{_text(signal)}</h3>"
         if signal in errors:
-            yield f"<p class=soft>{_about_errors(errors[signal])}</p>"
+            yield f"<p class=soft>{error_words(errors[signal])}</p>"
         yield "<div class=runs>"
         for curve in curves:
             if curve["signal"] == signal:
                 yield from _figure(curve)
         yield "</div>"
-
-
-def _about_errors(error: Mapping[str, Any]) -> str:
-    held = error["held_out"]
-    out = f", held out {held['recipe']:.3g} → {held['fitted']:.3g}" if held else ""
-    return f"error {error['recipe']:.3g} → {error['fitted']:.3g}{out}"
 
 
 def _figure(curve: Mapping[str, Any]) -> Iterator[str]:
@@ -248,17 +243,17 @@ def _numbers(numbers: Sequence[Number], correlation: Sequence[Sequence[float]]) 
 
 
 def _row(index: int, number: Number, partners: str) -> str:
-    width = 1.96 * number["std"]
+    width = half_interval(number)
     value = f"{rounded(number['value'], number['std']):g} <span class=soft>± {_short(width)}</span>"
     word = number["verdict"]
-    verdict = f"<span class=warn>{_text(_spaced(word))}</span>: {_text(number['reason'])}" if word else "measured"
+    verdict = f"<span class=warn>{_text(verdict_words(word))}</span>: {_text(number['reason'])}" if word else "measured"
     cells = (
         ("value", value),
         ("recipe", f"{rounded(number['recipe']):g}"),
         ("range", _range(number)),
         ("verdict", verdict + partners),
     )
-    name = f"<th id=n{index + 1} class=number>{index + 1}</th><th>{_text(_word(number))}</th>"
+    name = f"<th id=n{index + 1} class=number>{index + 1}</th><th>{_text(number_words(number))}</th>"
     return (
         f"<tr>{name}{''.join(f'<td class=number data-what={what}><div>{cell}</div></td>' for what, cell in cells)}</tr>"
     )
@@ -279,7 +274,7 @@ def _range(number: Number) -> str:
     """Return a bar: the range of a number, its interval, and the recipe's number."""
     low, high = number["range"]
     scale = 200 / ((high - low) or 1.0)
-    width = 1.96 * number["std"]
+    width = half_interval(number)
     begin = max(0.0, (number["value"] - width - low) * scale)
     end = min(200.0, (number["value"] + width - low) * scale)
     begin = min(begin, 197.0)
@@ -309,7 +304,7 @@ def _correlation(numbers: Sequence[Number], correlation: Sequence[Sequence[float
     heads = "".join(f"<th>{index + 1}</th>" for index in range(len(numbers) - 1))
     yield f"<div class=wide><table class=matrix><thead><tr><th></th>{heads}</tr></thead><tbody>"
     for index, row in enumerate(correlation):
-        name = f"<th class=name>{index + 1} {_text(_word(numbers[index]))}</th>"
+        name = f"<th class=name>{index + 1} {_text(number_words(numbers[index]))}</th>"
         yield f"<tr>{name}{''.join(_cell(value) for value in row[:index])}</tr>"
     yield "</tbody></table></div>"
 
@@ -366,16 +361,8 @@ def _text(text: str) -> str:
     return escape(printable(text))
 
 
-def _word(number: Number) -> str:
-    return f"{number['kind']} {', '.join(number['names'])}: {number['attribute']}"
-
-
 def _link(index: int) -> str:
     return f"<a href=#n{index + 1}>{index + 1}</a>"
-
-
-def _spaced(word: str) -> str:
-    return word.replace("_", " ")
 
 
 def _short(value: float) -> str:
