@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 from mjcompose.base.diagnostic import Fault
 from mjcompose.base.scratch import scratch
 from mjcompose.base.sink import Sink
-from mjcompose.bundle.assemble import assemble
 from mjcompose.compose.compose import ComposeOptions, Composer
 from mjcompose.language.checks.tracks import Tracks
 from mjcompose.language.identify import Identify
@@ -22,9 +21,10 @@ from mjcompose.sources.context import Context
 from mjcompose.text.node import locate
 from mjcompose.tools.identify.files import files_of
 from mjcompose.tools.identify.identify import question_of
+from mjcompose.tools.identify.model import compile_without_checks
 from mjcompose.tools.identify.work import follow_recording
 from mjcompose.verify.checks.check import beside, failed
-from mjcompose.verify.compile import WHOLE, compile_and_report
+from mjcompose.verify.compile import WHOLE
 
 if TYPE_CHECKING:
     from mjcompose.verify.run_checks import Checks, NestedRecipe
@@ -60,9 +60,7 @@ def _followed(
     question["splits"] = False
     if recipe.prefix:
         question["start"] = None  # the keyframes of a nested recipe have other names
-    with scratch("tracks") as temporary:
-        question["progress"] = str(temporary / "progress")
-        answer = engine.call(checks.session, follow_recording, [WHOLE], argument=question)
+    answer = _ask(checks.session, WHOLE, question)
     if not answer.ok:
         return [Fault("check-failed", answer.error or str(answer.crash), ("recording",))], {}
     if "fault" in answer.value:
@@ -77,6 +75,13 @@ def _followed(
     return faults, {signal: float(f"{error:.4g}") for signal, error in errors.items()}
 
 
+def _ask(session: engine.Session, kept: str, question: dict[str, Any]) -> engine.Called:
+    """Ask how a model that the session keeps follows the recording."""
+    with scratch("tracks") as temporary:
+        argument = {**question, "progress": str(temporary / "progress")}
+        return engine.call(session, follow_recording, [kept], argument=argument)
+
+
 def _worse_than_recipe(
     checks: Checks, question: dict[str, Any], errors: dict[str, float], context: Context
 ) -> list[Fault]:
@@ -88,9 +93,7 @@ def _worse_than_recipe(
         return [Fault("missing-key", message, at, help="remove `worse_than_recipe`, or name a file of measurements")]
     if not _keep_designed(plan, checks.session, context):
         return [Fault("check-failed", "the model without measured numbers cannot be built", at)]
-    with scratch("tracks") as temporary:
-        again = {**question, "progress": str(temporary / "progress")}
-        answer = engine.call(checks.session, follow_recording, [_DESIGNED], argument=again)
+    answer = _ask(checks.session, _DESIGNED, question)
     if not answer.ok:
         return [Fault("check-failed", answer.error or str(answer.crash), at)]
     before: dict[str, float] = answer.value["errors"]
@@ -127,12 +130,8 @@ def _part_without_measured(part: AttachPart) -> AttachPart:
 def _keep_designed(plan: Plan, session: engine.Session, context: Context) -> bool:
     """Build a plan without its checks, and have the session keep the model. Return whether it succeeded."""
     own = replace(context, sink=Sink(), timings=[])
-    composed = Composer(own, measure_with(own, session=session), session, options=ComposeOptions()).compose(plan)
-    bundle = None if composed is None else assemble(plan, composed.model, composed.files, context=own)
-    if composed is None or bundle is None:
-        return False
-    compiled = compile_and_report(bundle, composed.model, own, session=session, keep=_DESIGNED, at=plan.span)
-    return compiled is not None
+    composer = Composer(own, measure_with(own, session=session), session, options=ComposeOptions())
+    return compile_without_checks(plan, composer, own, session, keep=_DESIGNED) is not None
 
 
 def _judged(check: Tracks, errors: dict[str, float]) -> list[Fault]:

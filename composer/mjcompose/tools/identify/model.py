@@ -10,7 +10,7 @@ from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.bundle.assemble import assemble
-from mjcompose.compose.compose import ComposeOptions, Composer
+from mjcompose.compose.compose import Composed, ComposeOptions, Composer
 from mjcompose.compose.editing import Editing, ExpectedCount, select_counted
 from mjcompose.compose.elements import ElementBuilder
 from mjcompose.language.identify import Identify, IdentifyField
@@ -51,11 +51,8 @@ def open_model(recipe: Path, given: Given, context: Context, session: Session) -
     composer = Composer(
         context, measure_with(context, session=session), session, options=ComposeOptions(notes_parts=True)
     )
-    composed = composer.compose(plan)
-    bundle = None if composed is None else assemble(plan, composed.model, composed.files, context=context)
-    if composed is None or bundle is None:
-        return None
-    if compile_and_report(bundle, composed.model, context, session=session, keep=WHOLE, at=plan.span) is None:
+    composed = compile_without_checks(plan, composer, context, session, keep=WHOLE)
+    if composed is None:
         return None
     linking = Linking(composed.model, [], context.sink, request=LinkRequest(plan.separator))
     making = ElementBuilder.of(plan, composed.model, context, model_angle=composed.model.settings.angle)
@@ -69,6 +66,18 @@ def open_model(recipe: Path, given: Given, context: Context, session: Session) -
         if (name := name_of(joint)) and joint_type(joint, composed.model.classes) == "hinge"
     }
     return FitModel(plan, plan.identify, fields, hinges)
+
+
+def compile_without_checks(
+    plan: Plan, composer: Composer, context: Context, session: Session, *, keep: str
+) -> Composed | None:
+    """Compose and compile a plan, and have the session keep the model as `keep`; None after reported errors."""
+    composed = composer.compose(plan)
+    bundle = None if composed is None else assemble(plan, composed.model, composed.files, context=context)
+    if composed is None or bundle is None:
+        return None
+    compiled = compile_and_report(bundle, composed.model, context, session=session, keep=keep, at=plan.span)
+    return None if compiled is None else composed
 
 
 def _fields(identify: Identify, plan: Plan, editing: Editing) -> Iterator[dict[str, Any]]:
