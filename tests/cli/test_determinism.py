@@ -99,6 +99,15 @@ def test_a_cell_is_the_same_alone_and_among_others(folder: Path) -> None:
         assert (folder / "turned" / f"{name}.zip").read_bytes() == expected
 
 
+def test_a_page_is_the_same_in_another_process(folder: Path) -> None:
+    arm = folder / "models" / "arm.xml"
+    arm.write_text(ARM.replace('range="-90 90"', 'range="-90 90" damping="1" armature="0.1" frictionloss="0.2"'))
+    for seed in ("1", "2"):
+        done = process("view", "cell.yaml", "--html", f"{seed}.html", env=environment(PYTHONHASHSEED=seed))
+        assert done.returncode == 0, done.stderr
+    assert (folder / "1.html").read_bytes() == (folder / "2.html").read_bytes()
+
+
 @pytest.mark.slow
 def test_fetched_at_different_places_and_times(robots: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Another store, another umask and a commit that came in between: with the lock the bytes are the same."""

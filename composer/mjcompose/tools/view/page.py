@@ -167,8 +167,8 @@ class ShortNames(Struct, frozen=False):
 
 KINDS = ("body", "joint", "geom", "site", "camera", "light", "tendon", "actuator", "key", "skin", "flex")
 _MOST_CHANGES = 12
-VALUES: dict[str, frozenset[str]] = {
-    kind: frozenset(attributes.split())
+VALUES: dict[str, tuple[str, ...]] = {
+    kind: tuple(attributes.split())
     for kind, attributes in {
         "body": "pos gravcomp",
         "joint": "range damping armature frictionloss stiffness springref actuatorfrcrange solreflimit solimplimit"
@@ -223,14 +223,12 @@ class PageOrigins:
         traced = self.side.traced
         if node is None or traced is None:
             return {}
-        asked = VALUES[kind]
-        form = kind_of(node)
-        found = {}
-        if form.takes_class:
-            levels = given(node, form, traced.classes)
-            found = {each.name: self._place(traced.written_at(level.writer, each.name)) for each, level in levels}
-        found |= {name: self._place(traced.written_at(node, name)) for name in asked if node.get(name) is not None}
-        return {name: place for name, place in found.items() if place is not None and name in asked}
+        levels = given(node, kind_of(node), traced.classes)
+        writers = {each.name: level.writer for each, level in levels}
+        writers |= {name: node for name in VALUES[kind] if node.get(name) is not None}
+        written = [(name, writers[name]) for name in VALUES[kind] if name in writers]
+        places = {name: self._place(traced.written_at(writer, name)) for name, writer in written}
+        return {name: place for name, place in places.items() if place is not None}
 
     def _of_excludes(self, pairs: Sequence[tuple[str, str]]) -> list[Any]:
         """Return for each pair its place, its words, and the reason for its exclusion, or null."""
