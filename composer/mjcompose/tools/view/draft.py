@@ -6,6 +6,7 @@ The offset of a part or an element is written in the existing form of orientatio
 from __future__ import annotations
 
 import math
+from codecs import BOM_UTF8
 from dataclasses import field
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -25,7 +26,6 @@ from mjcompose.text.node import Mapping, Node, Scalar, Sequence, TextChange, fin
 
 Written: TypeAlias = "str | dict[str, Written]"
 """The text of a value in YAML, or a mapping of them by the plain text of their keys."""
-_MARK = b"\xef\xbb\xbf"
 
 
 class DraftRefused(Exception):
@@ -167,7 +167,11 @@ class RecipeDraft(Struct, frozen=False):
             raise DraftRefused(
                 f"`{self.file}` cannot be changed here without changing something else: write it yourself"
             )
-        return (_MARK if self.raw.startswith(_MARK) else b"") + text.encode()
+        return self.encoded(text)
+
+    def encoded(self, text: str) -> bytes:
+        """Return the bytes of a text, with the byte order mark of the file, if it has one."""
+        return (BOM_UTF8 if self.raw.startswith(BOM_UTF8) else b"") + text.encode()
 
 
 def _meaning(value: Written) -> Any:

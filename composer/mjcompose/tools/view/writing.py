@@ -435,8 +435,7 @@ class Writer:
         draft = RecipeDraft.of(fault.file, path, read_regular(path, in_force().recipe_size))
         if draft.text != fault.source:
             raise DraftRefused(_STALE.format(fault.file), stale=True)
-        mark = draft.raw[: len(BOM_UTF8)] if draft.raw.startswith(BOM_UTF8) else b""
-        return self._finish(draft, fault.words, said, after=mark + fault.fixed.encode())
+        return self._finish(draft, fault.words, said, after=draft.encoded(fault.fixed))
 
     def _back(self, said: Any) -> Answer:
         """Restore the text from before the last change exactly, if nothing else has changed the file."""
@@ -446,7 +445,7 @@ class Writer:
             raise DraftRefused("there is nothing to undo or redo")
         file, before, after, words = stack[-1]
         draft = self._draft(file, said, any=True)
-        if draft.raw != after and draft.raw != after.removeprefix(b"\xef\xbb\xbf"):
+        if draft.raw != after and draft.raw != after.removeprefix(BOM_UTF8):
             raise DraftRefused(f"`{file}` has changed since: undo it in your editor", stale=True)
         found = self._put(draft, before, said)
         stack.pop()
