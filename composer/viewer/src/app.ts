@@ -19,11 +19,7 @@ import { TimeBar } from "./time";
 import { bodyOf, nameOf, numberOf, places, Tree } from "./tree";
 import { Visible } from "./visible";
 import { host } from "./wire";
-import { World } from "./world";
-
-/** How the model that is selected and under the pointer is marked. */
-const SELECTED = 0x3b82f6;
-const POINTED = 0xffb020;
+import { POINTED, SELECTED, World } from "./world";
 
 /** The models of the page, and its views of the current one. */
 interface Shown {

@@ -8,6 +8,7 @@ import { h } from "./dom";
 import { neat } from "./info";
 import { FREE, WIDTHS } from "./kinematics";
 import { NumberBox } from "./numbers";
+import { POINTED, SELECTED } from "./world";
 
 type Ask = (request: Record<string, unknown>) => Promise<any>;
 /** Something that can be moved: a target of the recipe, or an element of a source, by an edit. */
@@ -388,9 +389,9 @@ export class Gizmo {
     }
     this.marked = this.site;
     if (this.site >= 0) {
-      world.mark([{ kind: "site", index: this.site }], 0xffb020);
+      world.mark([{ kind: "site", index: this.site }], POINTED);
     } else {
-      world.mark(this.element ? [this.element] : [], 0x3b82f6);
+      world.mark(this.element ? [this.element] : [], SELECTED);
     }
   }
 

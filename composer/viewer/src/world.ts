@@ -44,6 +44,10 @@ const GLASS = 0.35;
 /** The matrix of a thing that is hidden: nothing is left of it. */
 const NOTHING = new Matrix4().makeScale(0, 0, 0);
 
+/** The colors that mark the elements that are selected, and the element under the pointer. */
+export const SELECTED = 0x3b82f6;
+export const POINTED = 0xffb020;
+
 /** Models with more geoms have rounder things drawn with fewer corners. */
 const MANY = 1500;
 
@@ -258,10 +262,11 @@ export class World {
     for (const { mesh, members, kind } of this.batches) {
       const on = this.model.scene[kind].body;
       members.forEach((index, at) => {
-        const isHidden = kind === "geom" && this.hidden.has(index);
         mesh.setMatrixAt(
           at,
-          isHidden ? NOTHING : matrix.multiplyMatrices(this.bodies[on[index]], this.local[kind][index]),
+          this.isHidden(kind, index)
+            ? NOTHING
+            : matrix.multiplyMatrices(this.bodies[on[index]], this.local[kind][index]),
         );
       });
       mesh.instanceMatrix.needsUpdate = true;
@@ -324,7 +329,7 @@ export class World {
       }
       mesh.geometry.computeBoundingBox();
       members.forEach((index) => {
-        if (kind === "geom" && this.hidden.has(index)) {
+        if (this.isHidden(kind, index)) {
           return;
         }
         const box = mesh.geometry.boundingBox!.clone().applyMatrix4(this.matrixOf(kind, index));
@@ -377,6 +382,10 @@ export class World {
     this.update();
   }
 
+  private isHidden(kind: Drawn, index: number): boolean {
+    return kind === "geom" && this.hidden.has(index);
+  }
+
   /** Draw all surfaces like glass, or as wires. */
   setStyle(glass: boolean, wires: boolean): void {
     for (const { mesh, kind } of this.batches) {
@@ -413,7 +422,7 @@ export class World {
     const batchOf = (object: Object3D) => this.batches.find(({ mesh }) => mesh === object);
     const hit = hits.find(({ object, instanceId }) => {
       const batch = batchOf(object);
-      return batch?.kind !== "geom" || !this.hidden.has(batch.members[instanceId!]);
+      return !batch || !this.isHidden(batch.kind, batch.members[instanceId!]);
     });
     if (!hit) {
       return null;
@@ -458,7 +467,7 @@ export class World {
     this.uncover(this.marked);
     const paint = overlay(color, 0.42);
     for (const { kind, index } of elements.flatMap((element) => this.drawnOf(element))) {
-      if (kind !== "geom" || !this.hidden.has(index)) {
+      if (!this.isHidden(kind, index)) {
         this.cover(this.marked, kind, index, paint);
       }
     }
