@@ -26,6 +26,7 @@ from mjcompose.language.measured import (
     values_of,
 )
 from mjcompose.language.select import kinds_of
+from mjcompose.language.value import attribute_and_index
 from mjcompose.language.variation import read
 from mjcompose.sources.context import Context
 from mjcompose.sources.fetching import nearest
@@ -188,7 +189,7 @@ def with_edits(document: Mapping, measurements: Measurements, replaced: Replaced
     of_bodies: dict[str, list[MeasuredValue]] = {}
     for value in measurements.applied_with(replaced):
         for name in value.names:
-            if value.attribute.partition("[")[0] in COUNTS:
+            if attribute_and_index(value.attribute)[0] in COUNTS:
                 of_bodies.setdefault(name, []).append(value)
             else:
                 entries.append(_entry(measurements, value, name, replaced.get((value.path, name))))
@@ -210,10 +211,7 @@ def _entry(measurements: Measurements, value: MeasuredValue, name: str, replacem
     if replacement is not None:
         new = Angle(replacement, "rad") if isinstance(new, Angle) else replacement
     changes = _mapping({word_for_set(value): _scalar(new, number)}, at_number)
-    # An element that does not exist is reported with the names of the model, when that is composed.
-    return _mapping(
-        {"select": _selector(value.kind, name, owner), "optional": _scalar(True, owner), verb: changes}, at_number
-    )
+    return _entry_of(verb, changes, _selector(value.kind, name, owner))
 
 
 def _inertia_entry(measurements: Measurements, values: list[MeasuredValue], name: str, replaced: Replaced) -> Mapping:
@@ -222,18 +220,19 @@ def _inertia_entry(measurements: Measurements, values: list[MeasuredValue], name
     at_first = measurements.span_of(values[0], key=True)
     lists: dict[str, list[Node]] = {}
     for value in values:
-        base, _, index = value.attribute.partition("[")
+        base, index = attribute_and_index(value.attribute)
+        assert index is not None  # the file is checked
         number = locate(measurements.document, (*value.path, "value"))
         nodes = lists.setdefault(base, [_scalar(0.0, at_first) for _ in range(COUNTS[base])])
-        nodes[int(index[:-1])] = _scalar(replaced.get((value.path, name), in_si(value.number.value)), number)
-    written: dict[str, Node] = {base: Sequence(tuple(nodes), at_first) for base, nodes in lists.items()}
-    changes = _mapping(written, at_first)
-    entry: dict[str, Node] = {
-        "select": _selector("body", name, owner),
-        "optional": _scalar(True, owner),
-        "calibrate": changes,
-    }
-    return _mapping(entry, at_first)
+        nodes[index] = _scalar(replaced.get((value.path, name), in_si(value.number.value)), number)
+    changes = _mapping({base: Sequence(tuple(nodes), at_first) for base, nodes in lists.items()}, at_first)
+    return _entry_of("calibrate", changes, _selector("body", name, owner))
+
+
+def _entry_of(verb: str, changes: Mapping, selector: Mapping) -> Mapping:
+    # An element that does not exist is reported with the names of the model, when that is composed.
+    optional = _scalar(True, selector.span)
+    return _mapping({"select": selector, "optional": optional, verb: changes}, changes.span)
 
 
 def word_for_set(value: MeasuredValue) -> str:
