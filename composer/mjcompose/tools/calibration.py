@@ -21,7 +21,7 @@ from mjcompose.base.dataclass import Struct
 from mjcompose.base.files import read_regular
 from mjcompose.base.limits import in_force
 from mjcompose.base.sink import Sink
-from mjcompose.base.suggest import closest
+from mjcompose.base.suggest import did_you_mean
 from mjcompose.language.calibration import CalibratedPose, UrCalibration
 from mjcompose.language.measured import FORMAT
 from mjcompose.language.variation import read
@@ -118,9 +118,8 @@ def _of_model(model: str, links: Sequence[str], context: Context) -> dict[str, A
         return None
     data: dict[str, Any] = answer.value
     if "missing" in data:
-        near = closest(data["missing"], data["bodies"])
         message = f"`{model}` has {data['count']} bodies `{data['missing']}`; a calibration needs one"
-        help = f"did you mean `{near[0]}`?" if near else "name a model of this robot"
+        help = did_you_mean(data["missing"], data["bodies"]) or "name a model of this robot"
         context.sink.error("unknown-name", message, None, help=help)
         return None
     return data
@@ -133,6 +132,7 @@ def poses_of_links(mujoco: Any, model: MjModel, links: list[str]) -> dict[str, A
     data.qpos[:] = 0
     mujoco.mj_kinematics(model, data)
     found = []
+    indices: list[int] = []
     for link in links:
         bodies = [
             index
@@ -142,6 +142,7 @@ def poses_of_links(mujoco: Any, model: MjModel, links: list[str]) -> dict[str, A
         if len(bodies) != 1:
             return {"missing": link, "count": len(bodies), "bodies": names}
         body = bodies[0]
+        indices.append(body)
         joint = model.body_jntadr[body]
         found.append(
             {
@@ -151,11 +152,11 @@ def poses_of_links(mujoco: Any, model: MjModel, links: list[str]) -> dict[str, A
                 "anchor": model.jnt_pos[joint].tolist(),
             }
         )
-    base = model.body_parentid[bodies[0] if len(links) == 1 else names.index(found[0]["name"])]
+    base = model.body_parentid[indices[0]]
     sites = [
         {"name": model.site(site).name, "pos": model.site_pos[site].tolist()}
         for site in range(model.nsite)
-        if model.site_bodyid[site] == names.index(found[-1]["name"])
+        if model.site_bodyid[site] == indices[-1]
     ]
     return {"links": found, "base": _pose(data.xpos[base], data.xmat[base]).tolist(), "sites": sites}
 
