@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -65,12 +65,7 @@ def _telling_rows(recording: Recording, piece: RecordingPiece, errors: Mapping[s
 
 def _plain(values: Series) -> list[float | None]:
     """Return numbers for JSON: a robot that falls over may have none."""
-    return list(_plain_numbers(values))
-
-
-def _plain_numbers(values: Series) -> Iterator[float | None]:
-    for value in values:
-        yield float(f"{value:.6g}") if np.isfinite(value) else None
+    return [float(f"{value:.6g}") if np.isfinite(value) else None for value in values]
 
 
 def _unit(problem: Problem, signal: Signal) -> str:
