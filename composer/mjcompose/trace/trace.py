@@ -211,11 +211,6 @@ class Trace:
         linking = self._linking_of.get(part)
         return None if linking is None else linking.attachments.get(part)
 
-    def top_class(self, part: Part) -> str | None:
-        """Return the name of the top class of a part, or None if the linker has not chosen it yet."""
-        linking = self._linking_of.get(part)
-        return None if linking is None else linking.top_classes.get(part.unit)
-
     def _note_parts(self, linking: Linking) -> None:
         self._linkings[linking.base.root] = linking
         for part in linking.parts:

@@ -199,7 +199,7 @@ def total(found: list[tuple[Node, str]], name: str, values: list[str | None]) ->
         return values[0]
     if name != MASS or any(attribute != MASS for _, attribute in found):
         return None
-    return numbers.text([sum(numbers.read(str(value))[0] for value in values)])
+    return numbers.text([sum(numbers.first(str(value)) for value in values)])
 
 
 def _of_body(body: Node, name: str, classes: Classes) -> Iterator[tuple[Node, str]]:
