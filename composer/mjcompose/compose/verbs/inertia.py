@@ -19,10 +19,9 @@ from mjcompose.link.linking import Linking
 from mjcompose.link.measure import BODIES, Survey, Unmeasurable, compile_unaligned
 from mjcompose.link.unit_keys import without_keys
 from mjcompose.tree import journal
-from mjcompose.tree.classes import own, walk_bodies
+from mjcompose.tree.classes import ORIENTATIONS, own, walk_bodies
 from mjcompose.tree.edit import replace
 
-_OTHER_ORIENTATIONS = ("euler", "axisangle", "xyaxes", "zaxis")
 _ROWS = dict(zip(BODIES, (1, 3, 4, 3), strict=True))
 
 
@@ -59,7 +58,7 @@ def _write(editing: Editing, body: Node, values: Mapping[str, Sequence[float]], 
     for other in inertials:
         if other is not kept:
             journal.remove(other)
-    unset = dict.fromkeys(("fullinertia", "diaginertia", "quat", *_OTHER_ORIENTATIONS))
+    unset = dict.fromkeys(("fullinertia", "diaginertia", *ORIENTATIONS))
     replace(kept, {**unset, **{name: numbers.text(each) for name, each in values.items()}})
     editing.write(kept, dict.fromkeys(values, entry))
 
