@@ -36,9 +36,7 @@ class Correction(Struct):
     @property
     def text(self) -> str:
         """The entry as a recipe writes it on one line."""
-        from mjcompose.text.dump import in_brackets  # imports yaml, and only an error needs it
-
-        return f"{self.key}: {in_brackets([self.entry])}"
+        return _on_one_line(self.key, [self.entry])
 
 
 def without_attribute(node: Node, name: str) -> Correction | None:
@@ -106,9 +104,13 @@ def added_again(node: Node, attribute: str, namespace: str, target: str, unit: U
         entry = {name: {"type": str(node.tag), **values}}
     else:
         return None
+    return _on_one_line(section, entry)
+
+
+def _on_one_line(key: str, value: Data) -> str:
     from mjcompose.text.dump import in_brackets  # imports yaml, and only an error needs it
 
-    return f"{section}: {in_brackets(entry)}"
+    return f"{key}: {in_brackets(value)}"
 
 
 def _is_said_by_text(node: Node, name: str) -> bool:
