@@ -172,6 +172,10 @@ Place = Callable[[str | None], Span]
 """Returns the place of an element in a recipe, or with an attribute's name the place of its value."""
 
 
+_BY_ELEMENT = ("owners", "updates", "settings", "renamed", "keys", "delays", "values")
+"""The tables of `Origins` whose keys are elements."""
+
+
 class Origins(Struct, frozen=False):
     """The file of every subtree whose file is not its parent's, and the recipe place of elements that a recipe wrote.
 
@@ -282,7 +286,7 @@ class Origins(Struct, frozen=False):
 
     def adopt(self, other: Origins) -> None:
         """Add the data of elements that have moved here from another tree."""
-        for name in ("owners", "updates", "texts", "settings", "renamed", "keys", "unread", "delays", "values"):
+        for name in ("texts", "unread", *_BY_ELEMENT):
             getattr(self, name).update(getattr(other, name))
 
     def carried(self, old: Node, new: Node) -> Origins:
@@ -292,8 +296,7 @@ class Origins(Struct, frozen=False):
     def carried_to(self, pairs: Iterable[tuple[Node, Node]]) -> Origins:
         """Return the same data for copies; `pairs` has each node with its copy."""
         carried = Origins(texts=dict(self.texts), unread=set(self.unread), size=self.size)
-        names = ("owners", "updates", "settings", "renamed", "keys", "delays", "values")
-        tables = [(getattr(self, name), getattr(carried, name)) for name in names]
+        tables = [(getattr(self, name), getattr(carried, name)) for name in _BY_ELEMENT]
         if any(known for known, _ in tables):
             for node, twin in pairs:
                 for known, kept in tables:
