@@ -34,6 +34,10 @@ class Span(Struct):
     turn: str | None = field(default=None, compare=False, repr=False)
     source: Span | None = field(default=None, compare=False, repr=False)
 
+    def is_in(self, file: str) -> bool:
+        """Return whether the place is in a file; the first folders of its path may be left out."""
+        return self.file == file or self.file.endswith(f"/{file}")
+
     def repeated(self, turn: str) -> Span:
         """Return the place with the values that a `for` has there."""
         return Span(self.file, self.line, self.column, self.end_line, self.end_column, self.template, turn, self.source)

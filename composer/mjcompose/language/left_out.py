@@ -63,7 +63,7 @@ class LeftOut(NamedTuple):
         """Return whether a line of a file has a piece of the entry."""
         spans = [visit.node.span for visit in walk(self.entry)]
         spans += [visit.key.span for visit in walk(self.entry) if visit.key is not None]
-        return any(span.line == line and (span.file == file or span.file.endswith(f"/{file}")) for span in spans)
+        return any(span.line == line and span.is_in(file) for span in spans)
 
     def _settled(self, text: str) -> str:
         try:

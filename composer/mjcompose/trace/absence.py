@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 
 from lxml.etree import _Element as Node
@@ -36,7 +36,7 @@ _LEVELS = {"element": "the element itself gives it", "mujoco": "MuJoCo's default
 class Absences:
     """The elements that a composition read or made and that its model does not have."""
 
-    def __init__(self, traced: Traced, context: Context, left_out: tuple[LeftOut, ...] = ()) -> None:
+    def __init__(self, traced: Traced, context: Context, left_out: Callable[[], Iterable[LeftOut]] = tuple) -> None:
         self.traced = traced
         self.context = context
         self.left_out = left_out
@@ -99,8 +99,8 @@ class Absences:
 
     def _not_in_recipe(self, asked: ExplainQuery) -> Iterator[Absence]:
         """Yield the entries with that name that the recipe writes and that a condition or a variant leaves out."""
-        tags = None if asked.kinds is None else {path.rpartition("/")[2] for path in asked.kinds}
-        for left in self.left_out:
+        tags = asked.tags
+        for left in self.left_out():
             reason = Reason(left.words, left.span)
             if asked.line is not None:
                 if left.covers(*asked.line):
@@ -114,7 +114,7 @@ class Absences:
                     yield Absence(f"{name.tag} {called}", "", (Reason("written in the recipe", name.span),), reason)
 
     def _fits(self, asked: ExplainQuery) -> Callable[[Life], bool]:
-        tags = None if asked.kinds is None else {path.rpartition("/")[2] for path in asked.kinds}
+        tags = asked.tags
         if asked.line is not None:
             file, line = asked.line
             return lambda life: self._is_on(life, file, line)
@@ -127,7 +127,7 @@ class Absences:
 
     def _is_on(self, life: Life, file: str, line: int) -> bool:
         span = self.traced.place_of(life)
-        return span is not None and span.line == line and (span.file == file or span.file.endswith(f"/{file}"))
+        return span is not None and span.line == line and span.is_in(file)
 
     def _gone(self, life: Life) -> Absence:
         causes = self.traced.causes
@@ -238,7 +238,11 @@ def explain_absence(
 ) -> AbsenceExplained | None:
     """Explain why an element is not in the model of a recipe or an MJCF file; return None after an error."""
     traced = trace(path, context, sample, given=given)
-    return None if traced is None else Absences(traced, context, _left_out(path, context, given or {})).answer(asked)
+    if traced is None:
+        return None
+    # It reads and expands the recipe again, and only elements that were never made need it.
+    left_out = partial(_left_out, path, context, given or {})
+    return Absences(traced, context, left_out).answer(asked)
 
 
 def _left_out(path: Path, context: Context, given: ConcreteGiven) -> tuple[LeftOut, ...]:

@@ -105,6 +105,11 @@ class ExplainQuery(Struct):
     line: tuple[str, int] | None = None
     attribute: str | None = None
 
+    @property
+    def tags(self) -> frozenset[str] | None:
+        """The tags of the elements that match; None: all."""
+        return None if self.kinds is None else frozenset(path.rpartition("/")[2] for path in self.kinds)
+
 
 def read(text: str, attribute: str | None, sink: Sink) -> ExplainQuery | None:
     """Parse a query; report it and return None if it has no meaning."""

@@ -246,8 +246,7 @@ class Traced:
         def is_there(life: Life) -> bool:
             span = self.place_of(life)
             last = life.line if isinstance(life.owner, str) else None
-            is_in_file = span is not None and (span.file == file or span.file.endswith(f"/{file}"))
-            return span is not None and is_in_file and span.line <= line <= (last or span.line)
+            return span is not None and span.is_in(file) and span.line <= line <= (last or span.line)
 
         lives = ((node, self.watch.life(node)) for node in query.ordered(self.model.root))
         return [node for node, life in lives if any(map(is_there, (life, *life.sources)))]
