@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import mujoco
@@ -179,3 +180,36 @@ def test_a_part_is_attached_to_one_copy(tmp_path: Path, kind: str, name: str, nu
         joint = alone.joint(at).name
         mine = alone.key("home").qpos[alone.joint(joint).qposadr]
         assert model.key("home").qpos[model.joint(prefix + joint).qposadr] == mine
+
+
+RAILS = """
+<mujoco>
+  <worldbody>
+    <replicate count="2" euler="10 20 30">
+      <body name="post">
+        <joint name="pj"/>
+        <geom size=".05"/>
+      </body>
+    </replicate>
+  </worldbody>
+</mujoco>
+"""
+EDITED = """recipe: 1
+base: ./clock.xml
+attach:
+  r:
+    model: ./rails.xml
+    edit:
+      - select: {joint: pj}
+        set: {damping: 3}
+"""
+
+
+def test_copies_that_are_written_out_have_the_origin_of_the_edit(tmp_path: Path) -> None:
+    (tmp_path / "rails.xml").write_text(RAILS)
+    (tmp_path / "clock.xml").write_text("<mujoco><sensor><clock/></sensor></mujoco>")
+    (tmp_path / "r.yaml").write_text(EDITED)
+    done = build(ModelRequest(tmp_path / "r.yaml"), Context(environment={}, folder=tmp_path))
+    assert done is not None
+    joints = json.loads(done.bundle.files["manifest.json"])["index"]["joints"]
+    assert [(joint["name"], joint["origin"]) for joint in joints] == [("r/pj0", "r.yaml:8"), ("r/pj1", "r.yaml:8")]

@@ -116,8 +116,7 @@ def _write_out(linking: Linking, element: Node, rows: list[OutsideElement]) -> N
     for number, row in enumerate(rows):
         made = copy.deepcopy(element)
         for old, new in zip(element.iter("*"), made.iter("*"), strict=True):
-            if (owner := base.origins.owners.get(old)) is not None:
-                base.origins.owners[new] = owner
+            base.origins.own_as(new, old)
             journal.note_source(new, old)
             _refer_to_copies(new, row)
         if row.name:

@@ -470,8 +470,7 @@ def _own_elements_first(unit: Unit, parent: Node, fused: Collection[Node]) -> li
                 attributes = {str(name): str(value) for name, value in child.items() if name != "name"}
                 other = child.makeelement("frame", attributes)
                 journal.place_all(other, [each for each in child if each not in behind])
-                if child in unit.origins.owners:
-                    unit.origins.own(other, unit.origins.owners[child])
+                unit.origins.own_as(other, child)
                 first.append(other)
     journal.place_all(parent, [*first, *inner])
     return inner

@@ -313,8 +313,7 @@ def _place_copies(linking: Linking, unit: Unit, replicate: Node) -> None:
     for number, (pose, end) in enumerate(zip(poses, ends, strict=True)):
         made = copy.deepcopy(replicate)
         for old, new in zip(replicate.iter("*"), made.iter("*"), strict=True):
-            if (owner := unit.origins.owners.get(old)) is not None:
-                unit.origins.owners[new] = owner
+            unit.origins.own_as(new, old)
             linking.notes.copied[new] = (old, (replicate, number))
             if new is not made:
                 journal.note_source(new, old)

@@ -208,6 +208,15 @@ class Origins(Struct, frozen=False):
         """Set the places of the attributes of an element that a recipe changes."""
         self.updates[element] = place
 
+    def own_as(self, element: Node, other: Node) -> None:
+        """Give a new element the owner of another one, and the places of its changes; not of elements above it."""
+        owner = self.owners.get(other)
+        if owner is not None:
+            self.owners[element] = owner
+        update = self.updates.get(other)
+        if update is not None:
+            self.updates[element] = update
+
     def own_all(self, elements: Iterable[Node], owner: str | Span | Place) -> None:
         """Set the owner of all elements that do not have one yet."""
         for element in elements:
