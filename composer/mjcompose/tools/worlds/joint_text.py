@@ -7,12 +7,14 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
+import mujoco
 import numpy as np
 from lxml import etree
 from lxml.etree import _Element as Node
 
 from mjcompose.base.dataclass import Struct
 from mjcompose.base.sink import Sink
+from mjcompose.mujoco.arrays import words
 from mjcompose.mujoco.attributes import NameTable
 from mjcompose.targets.plain import without_classes
 from mjcompose.tools.worlds.cell_numbers import APART
@@ -21,6 +23,7 @@ from mjcompose.tools.worlds.names import LoadError, failure
 from mjcompose.tools.worlds.same_tree import ASSETS, CODE
 from mjcompose.tools.worlds.slots import GeomSlot
 from mjcompose.tree.classes import own
+from mjcompose.tree.names import own_name
 from mjcompose.tree.parse import parse_xml
 from mjcompose.tree.xml_text import write
 
@@ -28,7 +31,13 @@ if TYPE_CHECKING:
     from mjcompose.mujoco.model_types import MjModel
 
 MODEL = "model.xml"
+_SHAPES = words(mujoco, "geom_type")
 _MULTIPLIED = ("replicate", "flexcomp", "composite", "attach")
+
+
+def _bodies(root: Node) -> list[Node]:
+    """Return the world and the bodies, in the order of their numbers."""
+    return [*root.findall("worldbody"), *root.iterfind("worldbody//body")]
 
 
 class CellText:
@@ -38,13 +47,14 @@ class CellText:
         self.folder = folder
         self.name = name
         self.model = model
+        self.table = NameTable(model)
         sink = Sink()
         root = parse_xml((folder / MODEL).read_bytes(), MODEL, sink)
         if root is None:
             raise LoadError(sink.errors)
         self.root = root
         without_classes(root)
-        self.bodies = [*root.findall("worldbody"), *root.iterfind("worldbody//body")]
+        self.bodies = _bodies(root)
         self.assets = {kind: list(root.iterfind(f"asset/{kind}")) for kind in ASSETS}
         self._check()
         self.contents = AssetContents(model)
@@ -55,9 +65,8 @@ class CellText:
                 help = "write its bodies one by one, or build these cells separately with `--pick`"
                 raise failure(CODE, f"`{self.name}` has a `<{tag}>`, and a joint model needs each body by itself", help)
         counts = {"body": len(self.bodies), **{kind: len(nodes) for kind, nodes in self.assets.items()}}
-        table = NameTable(self.model)
         for kind, count in counts.items():
-            if count != table.count(kind):
+            if count != self.table.count(kind):
                 message = (
                     f"the text of `{self.name}` has {count} elements of the kind {kind}, and its model another number"
                 )
@@ -85,7 +94,7 @@ class JointText:
         if content in names:
             return
         is_first = cell is self.cells[0]
-        wanted = NameTable(cell.model).names[kind][number]
+        wanted = cell.table.names[kind][number]
         names[content] = wanted if is_first else _free(wanted or kind, names.values())
         self.numbers[kind][content] = number if is_first else len(self.root.findall(f"asset/{kind}"))
         if is_first:
@@ -106,7 +115,7 @@ class JointText:
             for attribute, other in (("texture", "texture"), ("material", "material")):
                 named = node.get(attribute)
                 if named and kind != other:
-                    number = NameTable(cell.model).ids[other][named]
+                    number = cell.table.ids[other][named]
                     node.set(attribute, self.names[other][cell.contents.hashes[other][number]])
         return made
 
@@ -128,9 +137,8 @@ class JointText:
 
     def add_geoms(self, bodies: Sequence[Sequence[GeomSlot]]) -> None:
         """Add the geoms that the first cell lacks, each before the next one that it has."""
-        taken = set(NameTable(self.cells[0].model).names["geom"])
-        elements = [*self.root.findall("worldbody"), *self.root.iterfind("worldbody//body")]
-        for body, slots in zip(elements, bodies, strict=True):
+        taken = set(self.cells[0].table.names["geom"])
+        for body, slots in zip(_bodies(self.root), bodies, strict=True):
             present = own(body, "geom")
             for slot in slots:
                 if 0 in slot.geoms:
@@ -148,7 +156,7 @@ class JointText:
         """Give each body that is simple in the first cell alone the inertia of a cell in which it is not."""
         models = [cell.model for cell in self.cells]
         simple = np.array([model.body_simple for model in models])
-        elements = [*self.root.findall("worldbody"), *self.root.iterfind("worldbody//body")]
+        elements = _bodies(self.root)
         for body in np.flatnonzero(simple[0] > simple.min(axis=0)).tolist():
             model = models[int(simple[:, body].argmin())]
             for element in elements[body].findall("inertial"):
@@ -166,7 +174,7 @@ class JointText:
         geom = etree.Element("geom")
         if slot.name:
             geom.set("name", slot.name)
-        shape = GEOM_TYPES[int(model.geom_type[number])]
+        shape = _SHAPES[int(model.geom_type[number])]
         geom.set("type", shape)
         for attribute in ("contype", "conaffinity", "condim", "priority", "group"):
             geom.set(attribute, str(int(getattr(model, f"geom_{attribute}")[number])))
@@ -184,7 +192,7 @@ class JointText:
         MuJoCo 4.0 computes a hull only for a mesh that some colliding geom has, or if it has the inertia of its hull.
         """
         for element in self.root.iterfind("asset/mesh"):
-            if name_of_mesh(element) in meshes:
+            if own_name(element, "name") in meshes:
                 element.set("inertia", "convex")
 
     def write(self, folder: Path, name: str) -> None:
@@ -198,13 +206,6 @@ class JointText:
 
 def numbers_text(numbers: Iterable[float]) -> str:
     return " ".join(repr(float(number)) for number in numbers)
-
-
-GEOM_TYPES = ("plane", "hfield", "sphere", "capsule", "ellipsoid", "cylinder", "box", "mesh", "sdf")
-
-
-def name_of_mesh(element: Node) -> str:
-    return str(element.get("name") or PurePosixPath(str(element.get("file", ""))).stem)
 
 
 def _free(wanted: str, taken: Collection[str]) -> str:
@@ -235,7 +236,7 @@ def hulls(text: JointText, bodies: Sequence[Sequence[GeomSlot]]) -> Hulls:
             for place, (cell, number) in enumerate(sorted(slot.geoms.items())):
                 model = text.cells[cell].model
                 mesh = int(model.geom_dataid[number])
-                if GEOM_TYPES[int(model.geom_type[number])] != "mesh" or mesh < 0 or model.mesh_graphadr[mesh] < 0:
+                if _SHAPES[int(model.geom_type[number])] != "mesh" or mesh < 0 or model.mesh_graphadr[mesh] < 0:
                     continue
                 name = text.name_of(cell, "mesh", mesh)
                 needed.add(name)
