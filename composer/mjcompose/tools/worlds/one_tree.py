@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -31,7 +31,7 @@ from mjcompose.tools.worlds.of_sources import of_sources
 from mjcompose.tools.worlds.proof import check_cell
 from mjcompose.tools.worlds.same_tree import CODE, check_same_tree
 from mjcompose.tools.worlds.slots import GeomKey, GeomSlot, shared_of, slots_of_bodies
-from mjcompose.tools.worlds.worlds import Varying, with_numbers
+from mjcompose.tools.worlds.worlds import Varying, model_of_world
 
 if TYPE_CHECKING:
     from mjcompose.mujoco.model_types import MjModel
@@ -170,7 +170,7 @@ def _differences(joint: MjModel, groups: Sequence[WorldGroup], cells: Sequence[C
         varying = dict(group.varying())
         if _FOLLOWED & varying.keys():
             for world in range(len(group.worlds)):
-                found.take(first + world, cell.of(_world(cell.model, varying, world)).whole())
+                found.take(first + world, cell.of(model_of_world(cell.model, varying, world)).whole())
         else:
             found.take(first, cell.whole(), len(group.worlds))
             for name, own in varying.items():
@@ -182,10 +182,6 @@ def _differences(joint: MjModel, groups: Sequence[WorldGroup], cells: Sequence[C
 
 _FOLLOWED = frozenset(("bvh_aabb", "bvh_child", "bvh_nodeid", *FRAMED))
 """Arrays of a cell that the volumes of bodies, or frames of meshes, follow in the joint model."""
-
-
-def _world(model: MjModel, varying: Mapping[str, Varying], world: int) -> MjModel:
-    return with_numbers(model, {name: (own.index, own.values[world]) for name, own in varying.items()})
 
 
 def _in_joint(cell: CellNumbers, name: str, own: Varying) -> tuple[NDArray[np.int64], NDArray[np.generic]]:
@@ -205,7 +201,7 @@ def check_worlds(joint: WorldGroup, groups: Sequence[WorldGroup], cells: Sequenc
     for group, cell in zip(groups, cells, strict=True):
         own = dict(group.varying())
         for world in sorted({0, len(group.worlds) - 1}):
-            alone = _world(cell.model, own, world)
-            made = _world(cell.joint, varying, first + world)
+            alone = model_of_world(cell.model, own, world)
+            made = model_of_world(cell.joint, varying, first + world)
             check_cell(cell.of(alone), made, alone, group.first.name)
         first += len(group.worlds)

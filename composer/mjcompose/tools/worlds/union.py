@@ -32,7 +32,7 @@ from mjcompose.tools.worlds.names import LoadError, failure
 from mjcompose.tools.worlds.of_sources import of_sources
 from mjcompose.tools.worlds.same_tree import CODE
 from mjcompose.tools.worlds.volumes import set_volumes
-from mjcompose.tools.worlds.worlds import Varying, Worlds, with_numbers
+from mjcompose.tools.worlds.worlds import Varying, Worlds, model_of_world
 
 if TYPE_CHECKING:
     from mjcompose.mujoco.model_types import MjModel
@@ -161,7 +161,7 @@ def _models(group: WorldGroup) -> Iterator[MjModel]:
     nominal = group.first.loaded.model
     varying = dict(group.varying())
     for place in range(len(group.worlds)):
-        yield with_numbers(nominal, {name: (own.index, own.values[place]) for name, own in varying.items()})
+        yield model_of_world(nominal, varying, place)
 
 
 def _world(mujoco: object, union: MjModel, mapped: Mapped, model: MjModel, unused: Sequence[str]) -> MjModel:

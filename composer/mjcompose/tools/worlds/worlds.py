@@ -254,6 +254,11 @@ def with_numbers(model: MjModel, numbers: Mapping[str, tuple[NDArray[np.int64], 
     return model
 
 
+def model_of_world(nominal: MjModel, arrays: Mapping[str, Varying], world: int) -> MjModel:
+    """Return one world as a model of its own."""
+    return with_numbers(nominal, {name: (own.index, own.values[world]) for name, own in arrays.items()})
+
+
 class Worlds(Struct):
     """The `nominal` model, and by array of mjModel the numbers that differ between worlds.
 
@@ -286,9 +291,7 @@ class Worlds(Struct):
         """Return one world as a `mujoco.MjModel` of its own. Raises IndexError."""
         if not -self.count <= world < self.count:
             raise IndexError(f"world {world} does not exist: there are {self.count}")
-        return with_numbers(
-            self.nominal, {name: (each.index, each.values[world]) for name, each in self.arrays.items()}
-        )
+        return model_of_world(self.nominal, self.arrays, world)
 
     def models(self, worlds: Iterable[int] | None = None) -> Iterator[LoadModel]:
         """Yield the models of these worlds, or of all worlds, one after another."""
