@@ -116,8 +116,8 @@ WRITES_ITSELF = {
         targets/moves_alike.py:_in_mujoco mujoco/playable.py:_replaced mujoco/scene.py:Blobs.put mujoco/scene.py:describe targets/read_back.py:placed targets/export.py:_put
         targets/read_back.py:read_back urdf/read.py:UrdfReader._written verify/compile.py:_written
         verify/draws.py:with_worlds verify/draws.py:compute_worlds tools/view/live.py:_opened
-        tools/worlds/union.py:compose_union tools/worlds/joint_text.py:JointText.write
-        tools/worlds/one_tree.py:_built tools/identify/work.py:_note""",
+        tools/worlds/of_sources.py:build_of_sources tools/worlds/joint_text.py:JointText.write
+        tools/identify/work.py:_note""",
     "into a folder of ours, in an environment of its own": """
         mujoco/dump.py:main mujoco/dump.py:_marks targets/readers/shared/facts.py""",
     "the folder of a worker of a cluster, or a token beside the models": """

@@ -1,13 +1,34 @@
-"""The manifest of a model that is made of several others."""
+"""A model that is made of several others: its build and its manifest."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
 
+from mjcompose.base.sink import Sink
 from mjcompose.bundle.bundle import MANIFEST, Bundle
 from mjcompose.bundle.manifest import Input, Read, files_of, from_json, with_manifest
+from mjcompose.mujoco.engine import Session
+from mjcompose.pipeline.stages import ModelRequest, build
+from mjcompose.sources.context import Context
+from mjcompose.tools.worlds.names import LoadError
 
 _LICENSES = "LICENSES/"
+
+
+def build_of_sources(
+    recipe: Mapping[str, Any], path: Path, models: Sequence[Bundle], context: Context, session: Session
+) -> Bundle:
+    """Write a recipe, build it, and return it as the bundle of these models. Raises LoadError."""
+    path.write_text(json.dumps(recipe))
+    own = replace(context, sink=Sink(), timings=[], folder=path.parent)
+    made = build(ModelRequest(path), own, session=session)
+    if made is None:
+        raise LoadError(own.sink.errors)
+    return of_sources(made.bundle, models)
 
 
 def of_sources(bundle: Bundle, models: Sequence[Bundle]) -> Bundle:

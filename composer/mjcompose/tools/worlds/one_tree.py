@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,21 +11,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mjcompose.base.dataclass import Struct
-from mjcompose.base.sink import Sink
 from mjcompose.bundle.bundle import Bundle
 from mjcompose.bundle.read import read
 from mjcompose.bundle.staging import write_folder
 from mjcompose.mujoco.attributes import NameTable
 from mjcompose.mujoco.engine import Session
 from mjcompose.mujoco.varying import Differences, flat
-from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 from mjcompose.tools.worlds.cell_numbers import FRAMED, CellNumbers
 from mjcompose.tools.worlds.join import Joined, WorldGroup
-from mjcompose.tools.worlds.joint_text import CellText, JointText, asset_numbers, hulls
+from mjcompose.tools.worlds.joint_text import MODEL, CellText, JointText, asset_numbers, hulls
 from mjcompose.tools.worlds.load import load
-from mjcompose.tools.worlds.names import LoadError, failure
-from mjcompose.tools.worlds.of_sources import of_sources
+from mjcompose.tools.worlds.names import failure
+from mjcompose.tools.worlds.of_sources import build_of_sources
 from mjcompose.tools.worlds.proof import check_cell
 from mjcompose.tools.worlds.same_tree import CODE, check_same_tree
 from mjcompose.tools.worlds.slots import GeomKey, GeomSlot, shared_of, slots_of_bodies
@@ -153,13 +149,9 @@ def _built(text: JointText, place: JointPlace, bundles: Sequence[Bundle]) -> Bun
     source = place.folder / f"{place.name}-text"
     source.mkdir(parents=True)
     text.write(source, place.name)
-    recipe = place.folder / f"{place.name}.yaml"
-    recipe.write_text(json.dumps({"recipe": 1, "name": place.name, "base": f"./{source.name}/model.xml"}))
-    own = replace(place.context, sink=Sink(), timings=[], folder=place.folder)
-    made = build(ModelRequest(recipe), own, session=place.session)
-    if made is None:
-        raise LoadError(own.sink.errors)
-    return of_sources(made.bundle, bundles)
+    recipe = {"recipe": 1, "name": place.name, "base": f"./{source.name}/{MODEL}"}
+    path = place.folder / f"{place.name}.yaml"
+    return build_of_sources(recipe, path, bundles, place.context, session=place.session)
 
 
 def _differences(joint: MjModel, groups: Sequence[WorldGroup], cells: Sequence[CellNumbers]) -> Differences:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import json
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -12,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mjcompose.base.dataclass import Struct
-from mjcompose.base.sink import Sink
 from mjcompose.bundle.bundle import Bundle
 from mjcompose.bundle.read import read
 from mjcompose.bundle.staging import write_folder
@@ -23,13 +21,12 @@ from mjcompose.mujoco.engine import Session
 from mjcompose.mujoco.references import links
 from mjcompose.mujoco.settable import are_close
 from mjcompose.mujoco.varying import MEAN_INERTIA, MEAN_MASS, Differences, Rows, flat, owners, put, rows_of_size
-from mjcompose.pipeline.stages import ModelRequest, build
 from mjcompose.sources.context import Context
 from mjcompose.tools.worlds.cell_numbers import APART
 from mjcompose.tools.worlds.join import Joining, Tree, UnsharedBody, WorldGroup, common, parts as joined_parts
 from mjcompose.tools.worlds.load import load
-from mjcompose.tools.worlds.names import LoadError, failure
-from mjcompose.tools.worlds.of_sources import of_sources
+from mjcompose.tools.worlds.names import failure
+from mjcompose.tools.worlds.of_sources import build_of_sources
 from mjcompose.tools.worlds.same_tree import CODE
 from mjcompose.tools.worlds.volumes import set_volumes
 from mjcompose.tools.worlds.worlds import Varying, Worlds, model_of_world
@@ -97,13 +94,8 @@ def compose_union(
         "attach": attach,
         "conflict": "base",
     }
-    path = folders[0].parent / "union.yaml"
-    path.write_text(json.dumps(recipe))
-    own = replace(context, sink=Sink(), timings=[], folder=path.parent)
-    made = build(ModelRequest(path), own, session=session)
-    if made is None:
-        raise LoadError(own.sink.errors)
-    return of_sources(made.bundle, [read(folder) for folder in folders])
+    models = [read(folder) for folder in folders]
+    return build_of_sources(recipe, folders[0].parent / "union.yaml", models, context, session=session)
 
 
 def bodies_of(trees: Sequence[Tree], each: UnionPart) -> Iterator[str]:
