@@ -21,8 +21,8 @@ from mjcompose.targets.table import TARGETS
 from mjcompose.targets.target import OPTION, UnsupportedElement
 from mjcompose.tools.worlds.names import LoadError, failure
 from mjcompose.tools.worlds.shared import INSTEAD, check_shapes, shared_error
-from mjcompose.tools.worlds.start import NumbersOfWorlds, of_arrays, put_starts
-from mjcompose.tools.worlds.worlds import Worlds, with_numbers
+from mjcompose.tools.worlds.start import of_arrays, put_starts
+from mjcompose.tools.worlds.worlds import Varying, Worlds, with_numbers
 
 if TYPE_CHECKING:
     from mjcompose.mujoco.model_types import MjModel
@@ -256,13 +256,13 @@ def _set(worlds: Worlds, names: list[str], entity: str | None, sim: Any, env_ids
         help = f"make `num_envs` {worlds.count}, or choose worlds: `study.take(range({sim.num_envs}))`"
         raise failure("bundle-changed", f"there are {sim.num_envs} environments and {worlds.count} worlds", help)
     chosen = torch.arange(sim.num_envs) if env_ids is None else env_ids.cpu()
-    written = []
+    written = {}
     for name in names:
         ours, theirs = _places(worlds, name, entity, scene=sim.mj_model)
         values = worlds.arrays[name].values[:, ours][chosen.numpy()]
         if entity is not None and name in REFERENCES:
             values = in_scene(worlds, name, ours, values=values, entity=entity, scene=sim.mj_model)
-        written.append(NumbersOfWorlds(name, theirs, values))
+        written[name] = Varying(theirs, values)
         numbers = warp.to_torch(getattr(sim.wp_model, name)).view(sim.num_envs, -1)
         rows = chosen[:, None].to(numbers.device)
         columns = torch.as_tensor(theirs, device=numbers.device)
@@ -307,11 +307,13 @@ def in_scene(
     """Return ids of assets of an entity as ids of the scene; `ours` are columns of the table. Raises LoadError."""
     model = worlds.nominal
     index = worlds.arrays[name].index[ours]
+    own_names = NameTable(model)
+    scene_names = NameTable(scene)
     found = values.copy()
     for column, place in enumerate(index.tolist()):
         kind = _kind_of_asset(model, name, place)
-        names = NameTable(model).names[kind]
-        ids = NameTable(scene).ids[kind]
+        names = own_names.names[kind]
+        ids = scene_names.ids[kind]
         for number in np.unique(values[:, column]).tolist():
             if number < 0:
                 continue

@@ -10,7 +10,6 @@ import mujoco as mujoco_module
 import numpy as np
 from numpy.typing import NDArray
 
-from mjcompose.base.dataclass import Struct
 from mjcompose.mujoco.varying import flat
 
 if TYPE_CHECKING:
@@ -32,27 +31,19 @@ def fixed_geoms(model: MjModel) -> NDArray[np.int64]:
     return np.flatnonzero((model.body_weldid[body] == 0) & (model.body_mocapid[model.body_rootid[body]] < 0))
 
 
-class NumbersOfWorlds(Struct):
-    """One array of a model in some worlds: the flat places that differ, and their values, `(worlds, numbers)`."""
-
-    name: str
-    index: NDArray[np.int64]
-    values: NDArray[Any]
-
-
-def of_arrays(arrays: Mapping[str, Varying]) -> list[NumbersOfWorlds]:
+def of_arrays(arrays: Mapping[str, Varying]) -> dict[str, Varying]:
     """Return the arrays of a table, without options and means, which play no part in the start."""
-    return [NumbersOfWorlds(name, own.index, own.values) for name, own in arrays.items() if "." not in name]
+    return {name: own for name, own in arrays.items() if "." not in name}
 
 
-def starts(model: MjModel, numbers: Sequence[NumbersOfWorlds], count: int) -> Iterator[MjData]:
+def starts(model: MjModel, arrays: Mapping[str, Varying], count: int) -> Iterator[MjData]:
     """Yield MuJoCo's data at the start of each world, always in the same memory."""
     model = copy.copy(model)
     # With these flags, MuJoCo uses the pose of the body for its geom, and worlds may move the geom alone.
     model.geom_sameframe[:] = 0
     model.body_sameframe[:] = 0
     data = mujoco_module.MjData(model)
-    memory = [(flat(model, each.name), each) for each in numbers if not each.name.endswith("_sameframe")]
+    memory = [(flat(model, name), own) for name, own in arrays.items() if not name.endswith("_sameframe")]
     for world in range(count):
         for array, own in memory:
             array[own.index] = own.values[world]
@@ -61,17 +52,15 @@ def starts(model: MjModel, numbers: Sequence[NumbersOfWorlds], count: int) -> It
         yield data
 
 
-def put_starts(
-    data: Any, model: MjModel, numbers: Sequence[NumbersOfWorlds], worlds: Sequence[int], state: bool
-) -> None:
+def put_starts(data: Any, model: MjModel, arrays: Mapping[str, Varying], worlds: Sequence[int], state: bool) -> None:
     """Write the poses of fixed geoms into a `mujoco_warp.Data`, in place, and with `state` where worlds start.
 
-    `numbers` has the values of these worlds, in this order.
+    `arrays` has the values of these worlds, in this order.
     """
     names = [*_POSES, *(name for name in (_STATE if state else ()) if hasattr(data, name))]
     places: dict[str, Any] = dict.fromkeys(_POSES, fixed_geoms(model))
     rows = {name: getattr(data, name).numpy() for name in names if getattr(data, name).size}
-    for world, host in zip(worlds, starts(model, numbers, len(worlds)), strict=True):
+    for world, host in zip(worlds, starts(model, arrays, len(worlds)), strict=True):
         for name, array in rows.items():
             at = places.get(name, slice(None))
             array[world, at] = getattr(host, name).reshape(array.shape[1:])[at]

@@ -12,7 +12,7 @@ from mjcompose.base.suggest import did_you_mean
 from mjcompose.tools.worlds.names import failure
 from mjcompose.tools.worlds.shares import worlds_of_cells
 from mjcompose.tools.worlds.simulators import per_world
-from mjcompose.tools.worlds.start import NumbersOfWorlds, put_starts
+from mjcompose.tools.worlds.start import of_arrays, put_starts
 from mjcompose.tools.worlds.worlds import Worlds
 
 
@@ -40,10 +40,7 @@ def switch(model: Any, data: Any, study: Worlds, worlds: Iterable[int], cells: I
         varying = pool.arrays[name]
         numbers[chosen[:, None], varying.index] = varying.values[rows]
         array.assign(numbers.reshape(host.shape))
-    numbers_of = [
-        NumbersOfWorlds(name, own.index, own.values[rows]) for name, own in pool.arrays.items() if "." not in name
-    ]
-    put_starts(data, study.nominal, numbers_of, chosen.tolist(), state=False)
+    put_starts(data, study.nominal, of_arrays(pool.take(rows.tolist()).arrays), chosen.tolist(), state=False)
     return study.with_rows(chosen, pool, rows)
 
 
