@@ -1,7 +1,7 @@
 // The look of bodies: hidden or alone, like glass, as wires, and colored by the part or the file that they come from.
 import { Color } from "three";
 import type { Element, Model } from "./data";
-import { h } from "./dom";
+import { check, h } from "./dom";
 import { bodyOf, nameOf, numberOf } from "./tree";
 import type { World } from "./world";
 
@@ -135,10 +135,6 @@ export class Bodies {
   }
 
   private fill(): void {
-    const check = (words: string, on: boolean, set: (on: boolean) => void) => {
-      const box = h("input", { type: "checkbox", checked: on, onchange: () => set(box.checked) });
-      return h("label", { className: "check" }, box, h("span", {}, words));
-    };
     const select = h(
       "select",
       {

@@ -21,6 +21,12 @@ export function h<K extends keyof HTMLElementTagNameMap>(
   return made;
 }
 
+/** A box to check, with its words. */
+export function check(words: string, on: boolean, set: (on: boolean) => void, ...more: Child[]): HTMLElement {
+  const box = h("input", { type: "checkbox", checked: on, onchange: () => set(box.checked) });
+  return h("label", { className: "check" }, box, h("span", {}, words), ...more);
+}
+
 const LONG = 18;
 const TAIL = 12;
 

@@ -1,6 +1,6 @@
 // The parts of the model that the page draws: groups, kinds of things, and marks; the panel *Show*.
 import { Bodies } from "./bodies";
-import { h } from "./dom";
+import { check, h } from "./dom";
 import { EXTRAS, type Extra, Extras, gridStep } from "./extras";
 import { type Labels, NAMED, type Named } from "./labels";
 import type { World } from "./world";
@@ -105,8 +105,7 @@ export class Visible {
   }
 
   private check(words: string, on: boolean, set: (on: boolean) => void, more: string | Node = ""): HTMLElement {
-    const box = h("input", { type: "checkbox", checked: on, onchange: () => set(box.checked) });
-    return h("label", { className: "check" }, box, h("span", {}, words), h("span", { className: "more" }, more));
+    return check(words, on, set, h("span", { className: "more" }, more));
   }
 
   private fill(): void {
