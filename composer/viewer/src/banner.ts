@@ -67,12 +67,17 @@ export class Banner {
     this.set(text, "The model has a fault", more, rows);
   }
 
-  /** Why the physics cannot go on, or have paused; null takes it away. */
+  /** Why the physics cannot go on, below `head`; null takes it away. */
   setStopped(text: string | null, head = "The simulation has stopped"): void {
     if (text !== null || this.root.classList.contains("stopped")) {
       this.set(text, head, "");
     }
     this.root.classList.toggle("stopped", text !== null);
+  }
+
+  /** The warnings of MuJoCo at which the physics have paused. */
+  setWarned(warnings: string[]): void {
+    this.setStopped(warnings.join("\n"), "Paused at a warning of MuJoCo: run again to go on");
   }
 
   setLost(isLost: boolean): void {

@@ -161,7 +161,7 @@ export class Live {
     if (stopped) {
       app.banner.setStopped(stopped);
     } else if (warned) {
-      app.banner.setStopped(warned.join("\n"), "Paused at a warning of MuJoCo: run again to go on");
+      app.banner.setWarned(warned);
     }
   }
 

@@ -235,7 +235,7 @@ class Physics implements Player {
     const warned = this.warned();
     if (warned.length) {
       this.pause();
-      this.app.banner.setStopped(warned.join("\n"), "Paused at a warning of MuJoCo: run again to go on");
+      this.app.banner.setWarned(warned);
     }
   }
 
