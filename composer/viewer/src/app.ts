@@ -24,7 +24,6 @@ import { POINTED, SELECTED, World } from "./world";
 /** The models of the page, and its views of the current one. */
 interface Shown {
   models: Model[];
-  params: Params;
   contrast: Contrast | null;
   tree: Tree;
   info: Info;
@@ -40,6 +39,10 @@ export class App {
   readonly puller: Puller;
   readonly time: TimeBar;
   readonly poses: Poses;
+  readonly params = new Params(
+    (name, value) => this.server?.choose(name, value),
+    (name, value) => void this.gizmo?.setParameter(name, value),
+  );
   world!: World;
   sliders!: Sliders;
   /** The selected elements; the last one is `selection`. */
@@ -203,12 +206,11 @@ export class App {
     const chooseRow = (element: Element, more: boolean) => (more ? this.add(element) : this.select(element, true));
     const tree = new Tree(model, chooseRow, hover, (element) => contrast?.of(element) ?? "");
     const info = new Info(model, choose);
-    const params = this.shown?.params ?? this.params();
-    this.shown = { models, params, contrast, tree, info };
+    this.shown = { models, contrast, tree, info };
     const parameters = this.server ? (scene.params ?? []) : [];
-    params.use(parameters, Boolean(this.gizmo?.writes));
+    this.params.use(parameters, Boolean(this.gizmo?.writes));
     frame.panels.setParams(parameters.length > 0);
-    frame.panels.of.Params.replaceChildren(params.panel);
+    frame.panels.of.Params.replaceChildren(this.params.panel);
     frame.tree.replaceChildren(tree.root);
     this.sliders = new Sliders(
       model,
@@ -226,13 +228,6 @@ export class App {
     panels.Attach.replaceChildren(places(model, choose, hover));
     this.ruler.clear();
     this.time.clear();
-  }
-
-  private params(): Params {
-    return new Params(
-      (name, value) => this.server?.choose(name, value),
-      (name, value) => void this.gizmo?.setParameter(name, value),
-    );
   }
 
   private menus(): void {

@@ -1,4 +1,4 @@
-// Sensors, joints and controls with their values over time, of which some are plotted, and the time of the physics.
+// Sensors, joints and controls with their values over time, of which some are plotted.
 import type { Model, Seen } from "./data";
 import { h, nameSpan } from "./dom";
 import { neat } from "./info";
