@@ -75,6 +75,9 @@ export class Bodies {
   }
 
   private geoms(named: HiddenThing[]): number[] {
+    if (!named.length) {
+      return [];
+    }
     const { model } = this.world;
     const { geom } = model.scene;
     const keys = new Map<string, number>(geom.body.map((_: number, index: number) => [keyOf(model, index), index]));
@@ -90,12 +93,13 @@ export class Bodies {
 
   private apply(): void {
     const { world } = this;
-    world.setHidden(new Set(this.geoms(this.hidden)));
+    const geoms = this.geoms(this.hidden);
+    world.setHidden(new Set(geoms));
     world.setStyle(this.isGlass, this.isWire);
     if (!world.model.scene.difference) {
       world.recolour((kind, index) => this.ownerOf(kind, index)?.color ?? null);
     }
-    this.fill();
+    this.fill(geoms.length);
     this.changed();
   }
 
@@ -134,7 +138,8 @@ export class Bodies {
     );
   }
 
-  private fill(): void {
+  /** Show the settings, and the number of hidden geoms. */
+  private fill(count: number): void {
     const select = h(
       "select",
       {
@@ -146,7 +151,6 @@ export class Bodies {
       },
       ...COLORINGS.map((each) => h("option", { value: each, selected: each === this.coloring }, COLORING_WORDS[each])),
     );
-    const count = this.geoms(this.hidden).length;
     this.panel.replaceChildren(
       h("h3", {}, "Bodies"),
       check("transparent", this.isGlass, (on) => {
