@@ -94,7 +94,8 @@ function* jointFacts(scene: Scene, index: number): Generator<Fact> {
   }
   for (const [actuator, target] of targetsOf(scene)) {
     if (target === index) {
-      for (const fact of atJoint(scene, actuator)) {
+      const name = scene.actuator.name[actuator] || `actuator#${actuator}`;
+      for (const fact of atJoint(scene, actuator, `by ${name}`)) {
         yield { ...fact, of: { kind: "actuator", index: actuator } };
       }
     }
@@ -110,28 +111,30 @@ function* targetsOf({ actuator }: Scene): Generator<[actuator: number, joint: nu
   }
 }
 
-/** The gains of an actuator as they act at its joint: a gear multiplies a gain by its square, and a force by itself. */
-function* atJoint({ actuator, joint }: Scene, index: number): Generator<Fact> {
+/**
+ * The gains of an actuator as they act at its joint: a gear multiplies a gain by its square, and a force by itself.
+ * `ending` are the last words of each value.
+ */
+function* atJoint({ actuator, joint }: Scene, index: number, ending: string): Generator<Fact> {
   const gear = actuator.gear[6 * index];
   const quantity = joint.type[actuator.target[2 * index]] === SLIDE ? "length" : "angle";
-  const name = actuator.name[index] || `actuator#${index}`;
   const { kp, kv, gain } = actuator;
   if (kp[index] !== null) {
     const value = `${neat(kp[index] * gear ** 2)} ${SPRING_UNITS[quantity]}`;
-    yield { what: "stiffness", value: `${value} by ${name}`, from: ["kp", "gainprm", "gear"] };
+    yield { what: "stiffness", value: `${value} ${ending}`, from: ["kp", "gainprm", "gear"] };
   }
   if (kv[index]) {
     const value = `${neat(kv[index] * gear ** 2)} ${DAMPING_UNITS[quantity]}`;
-    yield { what: "servo damping", value: `${value} by ${name}`, from: ["kv", "biasprm", "gear"] };
+    yield { what: "servo damping", value: `${value} ${ending}`, from: ["kv", "biasprm", "gear"] };
   }
   if (gain[index] !== null) {
     const value = `${neat(gain[index] * gear)} ${FORCE_UNITS[quantity]} for a control of 1`;
-    yield { what: "motor", value: `${value} by ${name}`, from: ["gainprm", "gear"] };
+    yield { what: "motor", value: `${value} ${ending}`, from: ["gainprm", "gear"] };
   }
   if (actuator.forcelimited[index]) {
     const ends = row(actuator.forcerange, index, 2).map((each) => each * gear);
     const value = span(Math.min(...ends), Math.max(...ends), FORCE_UNITS[quantity]);
-    yield { what: "effort", value: `${value} by ${name}`, from: ["forcerange", "gear"] };
+    yield { what: "effort", value: `${value} ${ending}`, from: ["forcerange", "gear"] };
   }
 }
 
@@ -147,9 +150,7 @@ function* actuatorFacts(scene: Scene, index: number): Generator<Fact> {
     yield { what: "force", value: `${neat(low)} … ${neat(high)}`, from: ["forcerange"] };
   }
   if (TRANSMISSION_OF_JOINT.includes(actuator.transmission[index])) {
-    for (const fact of atJoint(scene, index)) {
-      yield { ...fact, value: fact.value.replace(/ by [^ ]+$/, " at the joint") };
-    }
+    yield* atJoint(scene, index, "at the joint");
   }
 }
 
