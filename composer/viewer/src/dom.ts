@@ -27,6 +27,12 @@ export function check(words: string, on: boolean, set: (on: boolean) => void, ..
   return h("label", { className: "check" }, box, h("span", {}, words), ...more);
 }
 
+/** Color a slider from its start to a value. */
+export function colorTo(slider: HTMLInputElement, value: number, [low, high]: number[]): void {
+  const share = (value - low) / (high - low || 1);
+  slider.style.setProperty("--at", `${100 * Math.min(1, Math.max(0, share))}%`);
+}
+
 const LONG = 18;
 const TAIL = 12;
 

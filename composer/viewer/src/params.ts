@@ -1,6 +1,6 @@
 // The numbers among the parameters of a recipe, as sliders: each change builds the model again.
 import type { Parameter } from "./data";
-import { h, nameSpan } from "./dom";
+import { colorTo, h, nameSpan } from "./dom";
 import { neat } from "./info";
 import { NumberBox } from "./numbers";
 
@@ -62,7 +62,7 @@ export class Params {
       if (document.activeElement !== range) {
         range.value = String(value);
       }
-      range.style.setProperty("--at", `${(100 * (value - low)) / (high - low || 1)}%`);
+      colorTo(range, value, [low, high]);
       box.show();
       button.hidden = !writes || value === standard;
     };

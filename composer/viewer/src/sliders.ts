@@ -1,6 +1,6 @@
 // Sliders for joints and controls, and the pose as a keyframe of a recipe.
 import { type Model, row } from "./data";
-import { copy, h, nameSpan } from "./dom";
+import { colorTo, copy, h, nameSpan } from "./dom";
 import { degrees, JOINT_NAMES, neat } from "./info";
 import { FREE, HINGE, type Pose, SLIDE, WIDTHS } from "./kinematics";
 import { NumberBox, type Quantity } from "./numbers";
@@ -166,7 +166,7 @@ export class Sliders {
     const show = () => {
       const value = dial.get();
       range.value = String(value);
-      range.style.setProperty("--at", `${100 * Math.min(1, Math.max(0, (value - low) / (high - low || 1)))}%`);
+      colorTo(range, value, dial.range);
       number.show();
       number.root.classList.toggle("outside", limited && (value < low - 1e-9 || value > high + 1e-9));
     };

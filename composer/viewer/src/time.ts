@@ -1,5 +1,5 @@
 // The bar below the picture: run, step, reset, the speed, and the last seconds again.
-import { h, icon } from "./dom";
+import { colorTo, h, icon } from "./dom";
 import type { Player } from "./player";
 import { SPEEDS } from "./player";
 
@@ -106,8 +106,7 @@ export class TimeBar {
       [this.range.min, this.range.max] = kept.map(String);
       this.range.value = String(time);
     }
-    const [first, last] = kept ?? [0, 0];
-    this.range.style.setProperty("--at", `${(100 * (time - first)) / (last - first || 1)}%`);
+    colorTo(this.range, time, kept ?? [0, 0]);
   }
 
   /** Go back a little. */
