@@ -119,15 +119,21 @@ class Assets(ByTag):
     def element(self, reader: Reader, kind: ElementType, name: str, value: Any, at: Path) -> RecipeElement | None:
         if kind.tag != "hfield" or not isinstance(value, dict):
             return ByTag.element(self, reader, kind, name, value, at=at)
-        unknown = [key for key in value if key not in (*kind.attributes, TERRAIN, FRAGMENT)]
-        if TERRAIN not in value and (meant := next((key for key in unknown if closest(key, [TERRAIN])), None)):
-            message = f"hfield `{name}` has no key `{meant}`"
-            fix = renaming(meant, [TERRAIN])
-            fault = Fault("unknown-key", message, (*at, meant), key=True, help=f"write `{TERRAIN}`", fix=fix)
-            reader.faults.append(fault)
-            return None
-        if TERRAIN not in value:
+        if TERRAIN in value:
+            return self._terrain(reader, kind, name, value, at)
+        known = (*kind.attributes, FRAGMENT)
+        meant = next((key for key in value if key not in known and closest(key, [TERRAIN])), None)
+        if meant is None:
             return ByTag.element(self, reader, kind, name, value, at=at)
+        message = f"hfield `{name}` has no key `{meant}`"
+        fix = renaming(meant, [TERRAIN])
+        fault = Fault("unknown-key", message, (*at, meant), key=True, help=f"write `{TERRAIN}`", fix=fix)
+        reader.faults.append(fault)
+        return None
+
+    def _terrain(
+        self, reader: Reader, kind: ElementType, name: str, value: dict[str, Any], at: Path
+    ) -> RecipeElement | None:
         for key in value:
             if key != TERRAIN:
                 message = f"`{key}` is next to `{TERRAIN}`, which is the whole height field"
