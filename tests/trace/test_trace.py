@@ -251,10 +251,10 @@ def test_the_answer_is_the_same_in_every_process() -> None:
     """Sets of texts have another order in each process, and so have sets of elements."""
     program = (
         "from pathlib import Path; from mjcompose.sources.context import Context; from mjcompose.trace.traced import trace\n"
-        "from mjcompose.trace.explanation import render\n"
+        "from mjcompose.trace.explanation import render; from mjcompose.trace.trace_words import removal_reason\n"
         "traced = trace(Path('recipe.yaml'), Context(environment={}, folder=Path('.')))\n"
         "for node in traced.labels: print(render(traced.element(node)))\n"
-        "for life in traced.watch.gone: print(life.tag, life.items, traced.causes.gone(life))\n"
+        "for life in traced.watch.gone: print(life.tag, life.items, removal_reason(life))\n"
     )
     answers = set()
     for seed in ("0", "1", "2"):

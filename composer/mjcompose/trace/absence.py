@@ -25,6 +25,7 @@ from mjcompose.trace import query
 from mjcompose.trace.explanation import Absence, AbsenceExplained, Reason
 from mjcompose.trace.query import ExplainQuery, no_attribute, not_found
 from mjcompose.trace.trace import Life
+from mjcompose.trace.trace_words import change_reason, creation_reason, removal_reason
 from mjcompose.trace.traced import Traced, start_tag, trace
 from mjcompose.tree.classes import levels
 from mjcompose.tree.pattern import BadPattern, fitter, is_pattern
@@ -130,14 +131,14 @@ class Absences:
         return span is not None and span.line == line and span.is_in(file)
 
     def _gone(self, life: Life) -> Absence:
-        causes = self.traced.causes
         written = tuple(self.traced.written(life))
         successor = self.successors.get(life.node)
         if successor is not None:
             label = self.traced.labels.get(successor.node, successor.tag)
-            reason = replace(causes.made(successor), words=f"written anew: {causes.made(successor).words}")
+            reason = creation_reason(successor)
+            reason = replace(reason, words=f"written anew: {reason.words}")
             return Absence(_called(life), start_tag(life.tag, life.items), written, reason, now=label)
-        reason = causes.gone(life) if life.gone is not None else self._left_behind(life)
+        reason = removal_reason(life) if life.gone is not None else self._left_behind(life)
         return Absence(_called(life), start_tag(life.tag, life.items), written, reason)
 
     def _left_behind(self, life: Life) -> Reason:
@@ -153,7 +154,7 @@ class Absences:
 
     def _renamed(self, life: Life, name: str) -> Absence:
         changes = [each for each in life.of(life.naming) if each.before is not None]
-        reason = self.traced.causes.change(changes[-1], life)
+        reason = change_reason(changes[-1], life)
         label = self.traced.labels[life.node]
         called = f"{life.tag} {life.name if is_pattern(name) else name}"
         return Absence(called, start_tag(life.tag, life.items), tuple(self.traced.written(life)), reason, now=label)
@@ -189,7 +190,7 @@ class Absences:
         reason = Reason("no file and no entry of the recipe writes it")
         text = ""
         if dropped is not None:
-            reason = self.traced.causes.change(dropped, life)
+            reason = change_reason(dropped, life)
             text = f'{name}="{dropped.before}"'
         about = Absence(f"{name} of {label}", text, tuple(self.traced.written(life)), reason, instead=instead)
         return AbsenceExplained(f"{label} {name}", (about,))

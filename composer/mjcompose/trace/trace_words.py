@@ -1,5 +1,7 @@
 """The changes of passes and steps in words, with the place of the reason.
 
+A reason is the recorded one, or else the words of the pass or step.
+
 It also finds the attributes that determine a value that MJCF writes elsewhere: the mass of a body is in its
 `<inertial>` or its geoms, the `gainprm` of a `<position>` comes from its `kp`.
 """
@@ -117,39 +119,41 @@ _OF_SECTIONS = (sections, defaults, compiler, keyframes, bodies)
 """They move elements from a section of a part into the same section of the model, which needs no words."""
 
 
-class Causes:
-    """Reasons for recorded changes: the recorded reason, or else the words of the pass or step."""
+def change_reason(change: AttributeChange, life: Life) -> Reason:
+    """Return the reason that an attribute changed."""
+    return recorded(change.why) or of_step(change.cause, change.owner, change.attribute, node=life.node)
 
-    def change(self, change: AttributeChange, life: Life) -> Reason:
-        """Return the reason that an attribute changed."""
-        return recorded(change.why) or of_step(change.cause, change.owner, change.attribute, node=life.node)
 
-    def made(self, life: Life) -> Reason:
-        """Return the reason that an element exists that was not read from a file."""
-        assert life.made_by is not None
-        return recorded(life.whys.get(PARENT)) or of_step(life.made_by, life.owner, None)
+def creation_reason(life: Life) -> Reason:
+    """Return the reason that an element exists that was not read from a file."""
+    assert life.made_by is not None
+    return recorded(life.whys.get(PARENT)) or of_step(life.made_by, life.owner, None)
 
-    def value(self, life: Life, attribute: str) -> Reason:
-        """Return the reason that an element that a pass created has this value of an attribute."""
-        assert life.made_by is not None
-        return recorded(life.whys.get(attribute)) or self.made(life)
 
-    def gone(self, life: Life) -> Reason:
-        assert life.gone is not None
-        if isinstance(life.gone.done, Subtree):
-            place = life.parts[0].span if life.parts else None
-            return Reason(f"not needed by `{life.gone.done.body}`, the subtree that the recipe takes", place)
-        return recorded(life.why_gone) or of_step(life.gone, None, None)
+def value_reason(life: Life, attribute: str) -> Reason:
+    """Return the reason that an element that a pass created has this value of an attribute."""
+    assert life.made_by is not None
+    return recorded(life.whys.get(attribute)) or creation_reason(life)
 
-    def move(self, move: ParentChange, life: Life) -> Reason | None:
-        """Return the reason that an element moved, or None if the move has no meaning, as in a merged section."""
-        cause = move.cause
-        reason = recorded(move.why)
-        if reason is not None or cause.function in _OF_SECTIONS:
-            return reason
-        if move.before is not None and move.after is not None and move.before.tag == move.after.tag == "mujoco":
-            return None
-        return of_step(cause, None, None)
+
+def removal_reason(life: Life) -> Reason:
+    """Return the reason that an element is gone."""
+    assert life.gone is not None
+    if isinstance(life.gone.done, Subtree):
+        place = life.parts[0].span if life.parts else None
+        return Reason(f"not needed by `{life.gone.done.body}`, the subtree that the recipe takes", place)
+    return recorded(life.why_gone) or of_step(life.gone, None, None)
+
+
+def move_reason(move: ParentChange) -> Reason | None:
+    """Return the reason that an element moved, or None if the move has no meaning, as in a merged section."""
+    cause = move.cause
+    reason = recorded(move.why)
+    if reason is not None or cause.function in _OF_SECTIONS:
+        return reason
+    if move.before is not None and move.after is not None and move.before.tag == move.after.tag == "mujoco":
+        return None
+    return of_step(cause, None, None)
 
 
 def recorded(why: Why | None) -> Reason | None:

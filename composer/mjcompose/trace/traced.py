@@ -58,7 +58,6 @@ class Traced:
     def __post_init__(self) -> None:
         self.recipe_lines = RecipeLines(self.folder)
         self.classes = Classes(self.model.root)
-        self.causes = trace_words.Causes()
         self.labels = query.labels(self.model.root)
         sections = self.model.root.iterchildren("default")
         declared = (each for section in sections for each in section.iter("default"))
@@ -225,7 +224,7 @@ class Traced:
 
     def written(self, life: Life) -> Iterator[Reason]:
         if life.made_by is not None:
-            cause = self.causes.made(life)
+            cause = trace_words.creation_reason(life)
             yield Reason(cause.words, cause.span or (None if life.sources else self.place_of(life)))
             yield from (Reason("read from", self.place_of(source)) for source in life.sources)
         elif life.line is None and isinstance(life.owner, str):
@@ -258,12 +257,12 @@ class Traced:
         yield from self._as_the_recipe_has_it(life, only)
         for change in life.changes:
             if isinstance(change, ParentChange):
-                cause = self.causes.move(change, life) if only is None else None
+                cause = trace_words.move_reason(change) if only is None else None
                 if cause is not None:
                     yield ChangeExplained(None, None, None, reason=cause)
             elif only in (None, change.attribute) and change.cause.function is not settle_joints:
                 name = "tag" if change.attribute == TAG else change.attribute
-                yield ChangeExplained(name, change.before, change.after, reason=self.causes.change(change, life))
+                yield ChangeExplained(name, change.before, change.after, reason=trace_words.change_reason(change, life))
 
     def _as_the_recipe_has_it(self, life: Life, only: str | None) -> Iterator[ChangeExplained]:
         """Yield values that a recipe writes in a different form from MJCF, such as angles in their own unit."""
@@ -326,10 +325,10 @@ class Traced:
     def origin_of(self, life: Life, attribute: str) -> Reason:
         for change in reversed(life.of(attribute)):
             if not trace_words.rewrites(change.cause):
-                cause = self.causes.change(change, life)
+                cause = trace_words.change_reason(change, life)
                 return Reason("" if cause.span else cause.words, cause.span)
         if life.made_by is not None and (life.made_by.is_pass or isinstance(life.made_by.done, SetCollisions)):
-            cause = self.causes.value(life, attribute)
+            cause = trace_words.value_reason(life, attribute)
             return cause if cause.words else self.recipe_lines.in_own_form(cause.span, life.attributes.get(attribute))
         return self._as_read(life, attribute)
 
@@ -337,7 +336,7 @@ class Traced:
         """Return the place of an attribute that was read from a file or from the recipe."""
         if attribute not in life.attributes:
             written = next((each for each in reversed(life.of(attribute)) if each.before is None), None)
-            return Reason("", self.place_of(life)) if written is None else self.causes.change(written, life)
+            return Reason("", self.place_of(life)) if written is None else trace_words.change_reason(written, life)
         if life.line is None and isinstance(life.owner, str):
             return Reason(f"the name of the recipe `{life.owner}`", None)
         span = self.place_of(life, attribute)
@@ -353,16 +352,16 @@ class Traced:
         return Reason("", span)
 
     def _row_reason(self, key: Node, origin: NumberOrigin) -> Reason:
-        return trace_words.reason_of(origin, lambda change: self.causes.change(change, self.watch.life(key)))
+        return trace_words.reason_of(origin, lambda change: trace_words.change_reason(change, self.watch.life(key)))
 
     def history(self, node: Node, attribute: str) -> list[Span]:
         """Return every place that influenced an attribute: first where it was read or created."""
         life = self.watch.life(node)
         read = life.sources[0] if len(life.sources) == 1 else life
         is_made = read is life and life.made_by is not None and life.made_by.is_pass
-        found = [self.causes.made(life).span if is_made else self.place_of(read, attribute)]
+        found = [trace_words.creation_reason(life).span if is_made else self.place_of(read, attribute)]
         changes = (each for each in life.of(attribute) if not trace_words.rewrites(each.cause))
-        found += [self.causes.change(each, life).span for each in changes]
+        found += [trace_words.change_reason(each, life).span for each in changes]
         return [span for span in dict.fromkeys(found) if span is not None]
 
     def _shared_for(self, asked: query.ExplainQuery) -> Node | None:
@@ -388,7 +387,7 @@ class Traced:
                 prefixes = [part.prefix for part in life.parts]
                 called = {"".join(reversed(prefixes[:count])) + named for count in range(len(prefixes) + 1)}
                 if asked.name in called | {"".join(reversed(prefixes[at:])) + named for at in range(len(prefixes))}:
-                    cause = self.causes.gone(life)
+                    cause = trace_words.removal_reason(life)
                     yield Note(f"there was a {life.tag} `{named}`: {cause.words}", self.place_of(life))
 
 

@@ -19,6 +19,7 @@ from mjcompose.tools.diff.elements import ASSETS, INERTIAL, Pair, Pairs, SideEle
 from mjcompose.tools.diff.recipe_lines import FilePairs, is_yaml, name, real
 from mjcompose.trace.query import name_of, same_value
 from mjcompose.trace.trace import Life
+from mjcompose.trace.trace_words import removal_reason
 from mjcompose.tree.select import kind_of
 
 _NO_REASON = ("name", "class", "childclass")
@@ -243,7 +244,7 @@ class CauseFinder:
             for gone in traced.watch.gone:
                 is_same = (gone.tag, gone.attributes) == (life.tag, life.attributes)
                 if is_same and isinstance(gone.owner, str) is isinstance(life.owner, str):
-                    yield _cause("removed", None, self.both[side].traced.causes.gone(gone).span, side=1 - side)
+                    yield _cause("removed", None, removal_reason(gone).span, side=1 - side)
 
     def _conditions(self, span: Span | None) -> Iterator[CauseLines]:
         """Yield the `when` of the item around a place."""
