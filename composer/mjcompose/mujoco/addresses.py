@@ -158,6 +158,13 @@ def rows_of(model: MjModel, kind: str, array: str, index: int) -> range:
     return range(index, index + 1) if run is None else run.rows(model, index)
 
 
+def numbers_of(model: MjModel, kind: str, array: str, index: int) -> Array:
+    """Return the rows of an element in an array of `mjModel`: in `mesh_vert`, the vertices of one mesh."""
+    rows = rows_of(model, kind, array, index)
+    numbers: Array = getattr(model, array)
+    return numbers[rows.start : rows.stop]
+
+
 _TO_THE_NEXT: Mapping[str, RowRange] = {
     own: RowRange(own, _up_to_the_next(own, size, own))
     for own, size in (

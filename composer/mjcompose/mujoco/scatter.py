@@ -17,7 +17,7 @@ import numpy as np
 
 from mjcompose.base.draw_stream import bits, fraction
 from mjcompose.base.rotation import IDENTITY_QUAT, Pose, Quat, multiply, normalize
-from mjcompose.mujoco.addresses import RUNS
+from mjcompose.mujoco.addresses import numbers_of
 from mjcompose.mujoco.attributes import names
 from mjcompose.mujoco.controls import Divergence, steps_in
 
@@ -347,8 +347,7 @@ def _support(model: MjModel, data: MjData, geom: int) -> Any:
     local = _DIRECTIONS @ matrix
     sign = np.where(local >= 0, 1.0, -1.0)
     if kind == _MESH:
-        rows = RUNS["mesh"]["nmeshvert"].rows(model, int(model.geom_dataid[geom]))
-        vertices = model.mesh_vert[rows.start : rows.stop].astype(float)
+        vertices = numbers_of(model, "mesh", "mesh_vert", int(model.geom_dataid[geom])).astype(float)
         points = vertices[(vertices @ local.T).argmax(axis=0)]
     elif kind in (_SPHERE, _CAPSULE):
         points = local * size[0]

@@ -9,7 +9,7 @@ from itertools import product
 from typing import TYPE_CHECKING, Any
 
 from mjcompose.base.dataclass import Struct
-from mjcompose.mujoco.addresses import RUNS
+from mjcompose.mujoco.addresses import numbers_of
 
 if TYPE_CHECKING:
     from mjcompose.mujoco.model_types import MjData, MjModel
@@ -195,9 +195,8 @@ def _enclosed(model: MjModel, mesh: int) -> float | None:
     """Return the volume inside a closed surface in m³, or None if it has holes."""
     import numpy as np
 
-    of_points, of_faces = (RUNS["mesh"][size].rows(model, mesh) for size in ("nmeshvert", "nmeshface"))
-    points = model.mesh_vert[of_points.start : of_points.stop].astype(float)
-    faces = model.mesh_face[of_faces.start : of_faces.stop]
+    points = numbers_of(model, "mesh", "mesh_vert", mesh).astype(float)
+    faces = numbers_of(model, "mesh", "mesh_face", mesh)
     # Files repeat a point for each face around it: the points count by where they are.
     size = float(np.ptp(points, axis=0).max(initial=0.0)) or 1.0
     _, same = np.unique(np.round(points / size, _DIGITS), axis=0, return_inverse=True)

@@ -10,6 +10,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from mjcompose.mujoco.addresses import numbers_of
 from mjcompose.mujoco.attributes import OF_OBJECT_TYPE
 from mjcompose.mujoco.varying import arrays, flat, put
 from mjcompose.tools.worlds.same_tree import ADDRESSES, ASSET_REFERENCES, GEOM_REFERENCES, OF_THE_JOINT_MODEL
@@ -138,8 +139,7 @@ class CellNumbers:
         mujoco.mju_mulPose(pos, quat, in_body, turn, made.mesh_pos[other].copy(), made.mesh_quat[other].copy())
         made.geom_pos[slot] = pos
         made.geom_quat[slot] = quat
-        first = int(made.mesh_vertadr[other])
-        vertices = made.mesh_vert[first : first + int(made.mesh_vertnum[other])].astype(float)
+        vertices = numbers_of(made, "mesh", "mesh_vert", other).astype(float)
         low = vertices.min(axis=0)
         high = vertices.max(axis=0)
         made.geom_aabb[slot] = np.concatenate(((low + high) / 2, (high - low) / 2)).reshape(made.geom_aabb[slot].shape)

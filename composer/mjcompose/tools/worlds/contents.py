@@ -8,18 +8,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from mjcompose.mujoco.addresses import numbers_of
 from mjcompose.mujoco.attributes import KINDS
 
 if TYPE_CHECKING:
     from mjcompose.mujoco.model_types import MjModel
 
-_RUNS = {
-    "mesh": {
-        "mesh_vert": ("mesh_vertadr", "mesh_vertnum"),
-        "mesh_face": ("mesh_faceadr", "mesh_facenum"),
-        "mesh_normal": ("mesh_normaladr", "mesh_normalnum"),
-        "mesh_texcoord": ("mesh_texcoordadr", "mesh_texcoordnum"),
-    }
+_DATA = {
+    "mesh": ("mesh_vert", "mesh_face", "mesh_normal", "mesh_texcoord"),
+    "hfield": ("hfield_data",),
+    "texture": ("tex_data",),
 }
 _PROPERTIES = {
     "mesh": ("mesh_pos", "mesh_quat", "mesh_scale", "mesh_octnum"),
@@ -57,13 +55,5 @@ class AssetContents:
         for name in _PROPERTIES.get(kind, ()):
             if hasattr(model, name):
                 yield getattr(model, name)[number]
-        for name, (first, count) in _RUNS.get(kind, {}).items():
-            start = int(getattr(model, first)[number])
-            yield getattr(model, name)[start : start + int(getattr(model, count)[number])] if start >= 0 else ()
-        if kind == "hfield":
-            start = int(model.hfield_adr[number])
-            yield model.hfield_data[start : start + int(model.hfield_nrow[number] * model.hfield_ncol[number])]
-        if kind == "texture":
-            start = int(model.tex_adr[number])
-            size = int(model.tex_height[number]) * int(model.tex_width[number]) * int(model.tex_nchannel[number])
-            yield model.tex_data[start : start + size]
+        for name in _DATA.get(kind, ()):
+            yield numbers_of(self.model, kind, name, number)

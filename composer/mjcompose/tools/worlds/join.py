@@ -20,6 +20,7 @@ from mjcompose.bundle.listing import SIZES
 from mjcompose.bundle.read import read as read_bundle
 from mjcompose.bundle.staging import write_folder
 from mjcompose.language.expand import Cell
+from mjcompose.mujoco.addresses import numbers_of
 from mjcompose.mujoco.arrays import with_trait
 from mjcompose.mujoco.attributes import KINDS, ON_BODIES, NameTable, names
 from mjcompose.mujoco.engine import Session
@@ -93,18 +94,13 @@ class Tree(Struct, frozen=False):
 
     def _surface(self, shape: int, asset: int) -> str:
         """Return the hash of a height field, or of a mesh that is not only fitted by another shape."""
-        model = self.model
         if shape == _HFIELD:
-            first = model.hfield_adr[asset]
-            data: NDArray[np.float32] = model.hfield_data
-            count = model.hfield_nrow[asset] * model.hfield_ncol[asset]
+            numbers = numbers_of(self.model, "hfield", "hfield_data", asset)
         elif shape == _MESH:
-            first = model.mesh_vertadr[asset]
-            count = model.mesh_vertnum[asset]
-            data = model.mesh_vert
+            numbers = numbers_of(self.model, "mesh", "mesh_vert", asset)
         else:
             return ""
-        return sha256(data[int(first) : int(first) + int(count)].tobytes()).hexdigest()
+        return sha256(numbers.tobytes()).hexdigest()
 
     def shape(self, body: str) -> Hashable:
         return body, self.own[body], tuple(self.shape(each) for each in self.children[body])

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import mujoco
 import numpy as np
 
+from mjcompose.mujoco.addresses import numbers_of
 from mjcompose.mujoco.varying import arrays, flat
 from mjcompose.tools.worlds.cell_numbers import APART, FRAMED, CellNumbers, is_once
 from mjcompose.tools.worlds.names import failure
@@ -90,19 +91,17 @@ def _different_data(kind: str, made: tuple[MjModel, int], alone: tuple[MjModel, 
 
 def _heights(model: MjModel, geom: int) -> np.ndarray:
     field = int(model.geom_dataid[geom])
-    first = int(model.hfield_adr[field])
-    count = int(model.hfield_nrow[field] * model.hfield_ncol[field])
+    heights = numbers_of(model, "hfield", "hfield_data", field)
     grid = (model.hfield_nrow[field], model.hfield_ncol[field])
-    return np.concatenate((grid, model.hfield_size[field], model.hfield_data[first : first + count]))
+    return np.concatenate((grid, model.hfield_size[field], heights))
 
 
 def _vertices(model: MjModel, geom: int) -> np.ndarray:
     """Return the vertices of a geom's mesh, in the frame of its body."""
     mesh = int(model.geom_dataid[geom])
-    first = int(model.mesh_vertadr[mesh])
     turn = np.empty(9)
     mujoco.mju_quat2Mat(turn, model.geom_quat[geom])
-    vertices = model.mesh_vert[first : first + int(model.mesh_vertnum[mesh])].astype(float)
+    vertices = numbers_of(model, "mesh", "mesh_vert", mesh).astype(float)
     return np.asarray(vertices @ turn.reshape(3, 3).T + model.geom_pos[geom])
 
 
