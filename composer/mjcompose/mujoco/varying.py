@@ -81,6 +81,12 @@ def rows_of_size(model: MjModel, kind: str, rows: int) -> Rows:
     return found
 
 
+def places_of_rows(array: NDArray[Any], rows: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return the flat indices of all numbers in these rows of an array."""
+    width = int(np.prod(array.shape[1:], dtype=int))
+    return (rows[:, None] * width + np.arange(width)).ravel()
+
+
 Numbers = NDArray[Any]
 MEAN_INERTIA = "stat.meaninertia"
 """The number that scales the tolerances of solvers."""

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from mjcompose.mujoco.addresses import numbers_of
 from mjcompose.mujoco.attributes import OF_OBJECT_TYPE
-from mjcompose.mujoco.varying import arrays, flat, put
+from mjcompose.mujoco.varying import arrays, flat, places_of_rows, put
 from mjcompose.tools.worlds.same_tree import ADDRESSES, ASSET_REFERENCES, GEOM_REFERENCES, OF_THE_JOINT_MODEL
 from mjcompose.tools.worlds.slots import GeomSlot
 from mjcompose.tools.worlds.volumes import nodes_of, set_volumes
@@ -179,9 +179,7 @@ class Places:
 
 
 def _of_rows(array: NDArray[Any], joint: NDArray[np.int64], cell: NDArray[np.int64]) -> Places:
-    width = int(np.prod(array.shape[1:], dtype=int))
-    columns = np.arange(width)
-    return Places((joint[:, None] * width + columns).ravel(), (cell[:, None] * width + columns).ravel())
+    return Places(places_of_rows(array, joint), places_of_rows(array, cell))
 
 
 def is_once(name: str) -> bool:

@@ -20,7 +20,17 @@ from mjcompose.mujoco.attributes import KINDS, NameTable
 from mjcompose.mujoco.engine import Session
 from mjcompose.mujoco.references import links
 from mjcompose.mujoco.settable import are_close
-from mjcompose.mujoco.varying import MEAN_INERTIA, MEAN_MASS, Differences, Rows, flat, owners, put, rows_of_size
+from mjcompose.mujoco.varying import (
+    MEAN_INERTIA,
+    MEAN_MASS,
+    Differences,
+    Rows,
+    flat,
+    owners,
+    places_of_rows,
+    put,
+    rows_of_size,
+)
 from mjcompose.sources.context import Context
 from mjcompose.tools.worlds.cell_numbers import APART
 from mjcompose.tools.worlds.join import Joining, Tree, UnsharedBody, WorldGroup, common, parts as joined_parts
@@ -398,11 +408,6 @@ def silenced(union: MjModel, bodies: Iterable[str]) -> list[tuple[str, np.ndarra
     }
     named = ((f"{kind}_{each}", rows) for kind, (rows, names) in zero.items() for each in names.split())
     there = [(name, rows) for name, rows in named if not name.endswith("poly") or hasattr(union, name)]
-    found = [(name, _all(getattr(union, name), rows), 0.0) for name, rows in there]
+    found = [(name, places_of_rows(getattr(union, name), rows), 0.0) for name, rows in there]
     found += [("dof_armature", dofs, 1.0), ("geom_margin", geoms, APART), ("pair_margin", pairs, APART)]
     return [each for each in found if each[1].size]
-
-
-def _all(array: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    width = int(np.prod(array.shape[1:], dtype=int))
-    return (rows[:, None] * width + np.arange(width)).ravel()
