@@ -20,7 +20,7 @@ def combine(joining: Joining, place: JointPlace) -> tuple[Worlds, Bundle | None]
     if len(trees) == 1:
         joint = join_cells(joining.groups, place)
         study = joining.with_groups([joint.group]).worlds()
-        present = joining.presence(joining.groups, joint.present)
+        present = joining.presence(joint.present)
         return replace(study, table=replace(study.table, present=present)), joint.bundle
     from mjcompose.tools.worlds.union import unite
 

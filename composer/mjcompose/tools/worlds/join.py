@@ -263,10 +263,10 @@ class Joining(Struct, frozen=False):
         """Return the same models in other groups."""
         return replace(self, groups=list(groups))
 
-    def presence(self, groups: Sequence[WorldGroup], present: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    def presence(self, present: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """Return the geoms of a joint model that each cell has, from those of each group."""
         rows = np.zeros((len(self._cells), present.shape[1]), bool)
-        for group, own in zip(groups, present, strict=True):
+        for group, own in zip(self.groups, present, strict=True):
             rows[[self._cell[world] for world in group.worlds]] = own
         return rows
 
